@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Server, Studio, open_studio, sending_nothing_late
 
 from chromium import browser
+from chromium import page as open_page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -50,6 +51,23 @@ def test_without_webgl_the_relief_says_why_there_is_none(studio: Studio) -> None
     dent(studio)
     studio.page.keyboard.press("5")
     studio.page.locator("#viewer-words", has_text="WebGL").wait_for()
+
+
+def test_the_relief_says_in_its_pane_why_there_is_none_and_other_views_do_not(
+    with_webgl: "Browser", server: Server
+) -> None:
+    refused = "status of 400"
+    with open_studio(with_webgl, server.url, tolerate=(refused,)) as studio:
+        page = studio.page
+        studio.new()
+        dent(studio)
+        page.route("**/api/height", lambda route: route.fulfill(status=400, json={"error": "not here"}))
+        page.keyboard.press("5")
+        page.locator("#viewer-words", has_text="Not here.").wait_for()
+        assert page.locator("#problem").is_hidden()
+        page.keyboard.press("2")
+        assert page.locator("#viewer-words").is_hidden()
+        page.unroute("**/api/height")
 
 
 def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) -> None:
@@ -235,11 +253,27 @@ def test_beside_the_result_all_of_a_regions_form_is_seen(
     with open_studio(opened, server.url, width=width, height=800) as studio:
         studio.new()
         studio.page.keyboard.press("r")
+        name = studio.page.locator("#form-choose span")
+        assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth")  # beside the help
         studio.circle()
         for _ in range(2):  # flat, whose name is the longest
             studio.page.keyboard.press("g")
         studio.wait_for_frame()
         assert studio.page.locator("#region-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
+
+
+@pytest.mark.parametrize("locale", ["en-US", "de-DE"])
+def test_choosing_a_structure_leaves_the_drawing_in_its_place(
+    opened: "Browser", server: Server, locale: str
+) -> None:
+    with open_page(opened, width=1280, height=760, locale=locale) as page, sending_nothing_late(page):
+        Studio(page, server.url)
+        page.keyboard.press("d")
+        before = page.locator("#board").bounding_box()
+        page.keyboard.press("Shift+W")
+        page.locator("#structure-choose").wait_for()
+        assert page.locator("#board").bounding_box() == before
+        assert page.locator("#brush-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
@@ -260,6 +294,24 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
             assert box is not None
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= width
+
+
+@pytest.mark.parametrize("width", [568, 640, 719])  # 640 is 1280 at 200 %
+def test_in_a_low_window_the_switch_of_the_canvases_covers_nothing(
+    opened: "Browser", server: Server, width: int
+) -> None:
+    with open_page(opened, width=width, height=380, locale="es-ES") as page, sending_nothing_late(page):
+        Studio(page, server.url)
+        switch = page.locator("#layout").bounding_box()
+        assert switch is not None
+        for control in page.locator("header :is(button, summary, h1):visible").all():
+            box = control.bounding_box()
+            assert box is not None
+            beside = box["x"] + box["width"] <= switch["x"] or box["x"] >= switch["x"] + switch["width"]
+            assert beside, control.get_attribute("data-label")
+            assert box["x"] + box["width"] <= width
+        views = page.locator("#outcome > .bar")
+        assert views.evaluate("(bar) => bar.scrollWidth <= bar.clientWidth")
 
 
 @pytest.mark.parametrize(("width", "height"), [(667, 375), (1024, 600)])

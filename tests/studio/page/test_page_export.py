@@ -126,3 +126,9 @@ def test_the_picture_of_a_relief_is_the_surface_in_the_light(ball: Studio) -> No
         page.locator("#export-what").select_option(what)
         seen[what] = page.evaluate(LOOK)
     assert seen["relief"] == seen["lit"] != seen["map"]
+
+
+def test_the_dialog_begins_at_the_engine_that_is_chosen(ball: Studio, tmp_path: Path) -> None:
+    export(ball, tmp_path / "ball.zip", engine="unity")
+    ball.page.locator("#export").click()
+    assert ball.page.evaluate("document.activeElement.value") == "unity"

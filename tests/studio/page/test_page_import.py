@@ -187,6 +187,34 @@ def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -
     assert studio.inked((100 - 59) * scale, 120 * scale + (SIDE - SHAPE[0] * scale) / 2)
 
 
+def test_a_picture_goes_to_a_layer_of_its_own_where_something_is_drawn(
+    studio: Studio, tmp_path: Path
+) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle()
+    sheet = Image.new("RGB", (SIDE, SIDE), "white")
+    sheet.paste("black", (120, 120, 140, 140))
+    sheet.save(tmp_path / "sheet.png")
+    with studio.saying("Imported “sheet.png”. Working on “Layer 2”."):
+        page.set_input_files("#import-file", files=tmp_path / "sheet.png")
+        page.locator("#choose button[value=drawing]").click()
+    kept = studio.wait_for_server(lambda doc: len(doc["layers"]) == 2)
+    assert [[stroke["kind"] for stroke in layer["strokes"]] for layer in kept["layers"]] == [
+        ["pen"],
+        ["picture"],
+    ]
+    page.locator("#export").click()
+    page.locator("#export-what").select_option("lines")
+    with page.expect_download() as waiting:
+        page.locator("#export-dialog button.strong").click()
+    waiting.value.save_as(tmp_path / "lines.png")
+    with Image.open(tmp_path / "lines.png") as lines:
+        assert lines.convert("RGB").getpixel((130, 130)) == (0, 0, 0)
+        # The paper in front hides no line, as on the board.
+        assert lines.convert("RGB").getpixel((SIDE // 2 + 80, SIDE // 2)) == (0, 0, 0)
+
+
 def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, tmp_path: Path) -> None:
     many = [part(f"part {number}", number, (60 + 9 * number, 90), 30) for number in range(16)]
     files = {

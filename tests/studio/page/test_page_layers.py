@@ -132,6 +132,31 @@ def test_a_point_goes_to_the_layer_that_is_seen_under_it(studio: Studio) -> None
     assert page.locator("#chips .chip").count() == 1
 
 
+def test_lines_of_another_layer_are_selected_by_a_click_and_by_the_lasso(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle(60, 60, 40)
+    add(studio)
+    with studio.repainting():
+        studio.circle(190, 190, 40)
+    current = page.locator("#layer-list [aria-current] .name")
+    page.keyboard.press("s")
+    with studio.saying("Working on “Layer 1”."):
+        page.mouse.click(*studio.on_board(20, 60))
+    assert current.inner_text() == "Layer 1"
+    assert page.locator("#select-remove").is_enabled()
+    page.keyboard.press("Escape")
+    page.keyboard.press("q")
+    with studio.saying("Working on “Layer 2”."):
+        studio.circle(190, 190, 55)
+    assert current.inner_text() == "Layer 2"
+    with studio.repainting():
+        page.keyboard.press("Delete")
+    assert not studio.inked(150, 190)
+    page.keyboard.press("PageDown")
+    assert studio.inked(20, 60)
+
+
 def grip(studio: Studio, name: str) -> Point:
     """Return where a layer is taken to be dragged."""
     box = studio.page.locator("#layer-list li", has_text=name).locator(".grip").bounding_box()

@@ -105,6 +105,37 @@ def test_the_pens_other_end_erases(studio: Studio) -> None:
     assert studio.page.locator("#tool-pen[aria-pressed=true]").count() == 1
 
 
+def test_a_second_pen_keeps_the_stroke_of_the_first(studio: Studio) -> None:
+    # Chromium's protocol has one pen, so the page is told in its place.
+    studio.page.evaluate(
+        """(places) => {
+            const board = document.getElementById("board");
+            board.setPointerCapture = () => {};
+            const tell = (kind, pointerId, [clientX, clientY]) =>
+              board.dispatchEvent(new PointerEvent(kind, {
+                bubbles: true, pointerId, pointerType: "pen", pressure: 0.5, clientX, clientY,
+                button: kind === "pointermove" ? -1 : 0, buttons: kind === "pointerup" ? 0 : 1,
+              }));
+            const [first, second] = places;
+            tell("pointerdown", 77, first[0]);
+            for (const at of first.slice(1, -1)) tell("pointermove", 77, at);
+            tell("pointerdown", 78, second[0]);
+            tell("pointermove", 77, first.at(-1));
+            for (const at of second.slice(1)) tell("pointermove", 78, at);
+            tell("pointerup", 77, first.at(-1));
+            tell("pointerup", 78, second.at(-1));
+            delete board.setPointerCapture;
+        }""",
+        [studio.along(*((x, y) for x in range(60, 201, 10))) for y in (80, 160)],
+    )
+    assert all(studio.inked(x, y) for x in (70, 150) for y in (80, 160))
+    assert not studio.inked(130, 120)  # nothing joins them
+    studio.page.locator("#history summary").click()
+    rows = studio.page.locator("#history-list button")
+    rows.first.wait_for()
+    assert rows.all_inner_texts() == ["Beginning", "Line", "Line"]
+
+
 def test_a_hovering_pen_shows_how_wide_it_draws(studio: Studio) -> None:
     for _ in range(4):
         studio.page.keyboard.press("]")

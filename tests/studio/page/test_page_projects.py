@@ -65,6 +65,24 @@ def test_a_saved_project_is_opened_again(opened: "Browser", server: Server) -> N
         assert studio.page.locator("#chips .chip").count() == 1
 
 
+def test_a_project_is_saved_as_another_one(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        studio.new()
+        studio.circle()
+        studio.save_as("fox")
+        page.locator("#open").click()
+        page.locator("#save-as").click()
+        page.locator("#name-field").fill("vixen")
+        with studio.saying("Saved “vixen”."):
+            page.keyboard.press("Enter")
+        page.locator("#open-dialog").wait_for(state="hidden")  # it would hide what is said
+        assert page.locator("#project-name").inner_text() == "vixen"
+        page.locator("#open").click()
+        page.locator(".project", has_text="vixen").wait_for()
+        assert page.locator(".project", has_text="fox").count() == 1
+
+
 def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
     opened: "Browser", tmp_path: Path
 ) -> None:

@@ -227,6 +227,20 @@ def test_points_regions_mask_and_what_was_erased_move_with_the_lines_around_them
     assert moves(after["hints"], layer_after(studio, 9)["hints"]) == [(-10, -30), (-10, -30)]
 
 
+def test_a_selection_is_dragged_by_its_frame_and_a_click_there_deselects(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle(80, 80, 50)
+    page.keyboard.press("s")
+    page.mouse.click(*studio.on_board(30, 80))
+    with studio.repainting():
+        studio.line((80, 80), (100, 90), (140, 130))  # from its middle, where nothing is drawn
+    assert studio.inked(90, 130)
+    assert not studio.inked(30, 80)
+    page.mouse.click(*studio.on_board(140, 130))
+    assert page.locator("#select-remove").is_disabled()
+
+
 def test_a_selection_is_flipped_turned_nudged_and_its_points_turn_with_it(studio: Studio) -> None:
     page = studio.page
     with studio.repainting():

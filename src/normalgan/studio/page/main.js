@@ -84,6 +84,7 @@ const mask = new MaskTool(editor, () => predictor.painted, announce);
 for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
 const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
+result.onFigures = (/** @type {import("./drawing/lasso.js").Lasso[]} */ outlines) => arranging.part(outlines);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./board/tools.js").Tool | null>} */
 const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
@@ -188,7 +189,7 @@ const remove = () => {
 };
 $("select-remove").addEventListener("click", remove);
 const clicks = {
-  new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
+  new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs().then((saved) => saved && /** @type {HTMLDialogElement} */ ($("open-dialog")).close()),
   import: () => importing.pick(), export: () => exporting.ask(), "lit-save": () => exporting.saveLit(), undo, redo, help,
   "zoom-in": () => zoom(1.25), "zoom-out": () => zoom(0.8), "zoom-fit": () => view.fit(),
 };

@@ -14,7 +14,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.cleaning.reader import read
-from normalgan.inference.composites.figures import figures_of
 from normalgan.inference.composites.layer_context import Context, Inferred, context_of, surest, ways_to_see
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.mask_files import READER
@@ -23,8 +22,9 @@ from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, hinted, prepare
-from normalgan.inference.reading.picture import Picture, to_pixels
+from normalgan.inference.reading.picture import Picture
 from normalgan.studio.drawings.drawing_request import DrawingRequest
+from normalgan.studio.predictions.figures import several_figures
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -187,7 +187,7 @@ class DrawingPredictor:
                 clean_strokes=drawing.drawn,
                 on_model_input=infer_ahead,
             )
-            several = _several(prepared, picture) if drawing.mask in {None, READER} else ()
+            several = several_figures(prepared, picture) if drawing.mask in {None, READER} else ()
             # The decision takes more memory than everything else and is not needed again.
             found = replace(prepared, decision=None, reading=None), picture.shape, several
             self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
@@ -216,19 +216,3 @@ def _size_of_map(predicted: NormalMap) -> int:
 
 def _size_of_prepared(found: _Found) -> int:
     return max(found[0].ink.size, found[0].shape[0] * found[0].shape[1])
-
-
-def _several(prepared: Prepared, picture: Picture) -> tuple[Finding, ...]:
-    """Return the finding about separate figures, which `normalgan generate` would predict separately.
-
-    A picture with opacity needs its own pixels for that, so a map of another size has no such finding.
-    """
-    own = prepared.shape == picture.shape
-    try:
-        cells = figures_of(prepared, (lambda: to_pixels(picture)) if own else None)
-    except InputError:  # too many islands; as one object it can still be predicted
-        return ()
-    scale = picture.shape[1] / prepared.shape[1]
-    centres = ((each.left + each.width / 2, each.top + each.height / 2) for each in cells)
-    places = tuple((scale * x, scale * y) for x, y in centres)
-    return (Finding("figures", places, len(places)),) if places else ()

@@ -1,9 +1,10 @@
 /** Arranging: flip, rotate, duplicate, copy, paste, nudge the selection, or move it to another layer. */
 
-import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withNewLayer, withStructures } from "../drawing/document.js";
+import { LISTS, MOST_LAYERS, activeLayer, changedLayer, drawnLayers, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withLayerMoved, withNewLayer, withStructures } from "../drawing/document.js";
+import { chosenBy } from "../drawing/lasso.js";
 import { aboutPoint, alongWith, movedParts } from "../drawing/moving.js";
 import { decodeAll } from "../drawing/pictures.js";
-import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "../drawing/selection.js";
+import { boxOfSelection, cutFailed, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "../drawing/selection.js";
 import { $, enable, fieldOf, make } from "../elements/dom.js";
 import { say, text } from "../text/text.js";
 
@@ -36,6 +37,27 @@ const isInk = ({ kind }) => kind !== "eraser";
 function withParts(layer, parts) {
   const both = { ...layer, ...Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]])) };
   return hasRoom(both) ? both : null;
+}
+
+/**
+ * Moves the selected lines of the active layer to another layer, with all that belongs to them.
+ * @param {Doc} given @param {import("../drawing/editor.js").Selection} chosen @param {string} target its id, or "new"
+ * @returns {{doc: Doc, parts: Parts} | null} the document with the other layer as the active one; null: there is no room
+ */
+function brought(given, chosen, target) {
+  const { doc: cut, selection } = withCuts(given, chosen);
+  const layer = activeLayer(cut);
+  const parts = partsOf(layer, selection, true);
+  const stays = partsOf(layer, selection, false);
+  if (stays.strokes.some(isInk)) {
+    // Erased areas must stay erased on both layers.
+    stays.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || stays.strokes.includes(stroke));
+    if (target === "new") parts.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || parts.strokes.includes(stroke));
+  }
+  const left = changedLayer(cut, layer.id, stays);
+  const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
+  const onto = withParts(activeLayer(doc), parts);
+  return onto && { doc: withActive(doc, onto), parts };
 }
 
 /** Moves parts to the right and down by a number of pixels. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
@@ -139,22 +161,53 @@ export class Arranging {
   /** @param {string} target */
   #toLayer(target) {
     const { editor } = this;
-    const { doc: cut, selection } = withCuts(editor.doc, editor.selection);
-    const layer = activeLayer(cut);
-    const parts = partsOf(layer, selection, true);
-    const stays = partsOf(layer, selection, false);
-    if (stays.strokes.some(isInk)) {
-      // Erased areas must stay erased on both layers.
-      stays.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || stays.strokes.includes(stroke));
-      if (target === "new") parts.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || parts.strokes.includes(stroke));
+    const moved = brought(editor.doc, editor.selection, target);
+    if (!moved) return this.announce(text.noRoom, "warning");
+    editor.commit(moved.doc);
+    this.#choose(editor.layer, moved.parts);
+    return this.announce(say("broughtTo", { name: editor.layer.name }));
+  }
+
+  /**
+   * Gives each figure of the only drawn layer a layer of its own; the first figure stays.
+   * @param {import("../drawing/lasso.js").Lasso[]} outlines around each figure
+   */
+  async part(outlines) {
+    const { editor } = this;
+    const before = editor.doc;
+    const [layer] = drawnLayers(before);
+    if (!layer) return;
+    this.announce(text.cutting);
+    let doc = { ...before, active: layer.id };
+    let added = 0;
+    try {
+      for (const lasso of outlines.slice(1)) {
+        const { strokes, cuts } = chosenBy(activeLayer(doc), lasso);
+        // One by one: each cut starts from what the previous one has left.
+        // oxlint-disable-next-line no-await-in-loop
+        await Promise.all(cuts.map(({ ready }) => ready));
+        if (editor.doc !== before) return; // the user has gone on
+        const selection = { strokes, pictures: [], cuts: cuts.filter(({ parts }) => parts?.piece.width), lasso };
+        if (!hasInk(selection)) continue;
+        const moved = brought(doc, selection, "new");
+        if (!moved) {
+          this.announce(text.noRoom, "warning");
+          return;
+        }
+        // In front of the previous figure's.
+        doc = { ...withLayerMoved(moved.doc, moved.doc.active, added), active: layer.id };
+        added += 1;
+      }
+    } catch (error) {
+      cutFailed(this.announce)(error);
+      return;
     }
-    const left = changedLayer(cut, layer.id, stays);
-    const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
-    const onto = withParts(activeLayer(doc), parts);
-    if (!onto) return this.announce(text.noRoom, "warning");
-    editor.commit(withActive(doc, onto));
-    this.#choose(onto, parts);
-    return this.announce(say("broughtTo", { name: onto.name }));
+    if (!added) {
+      this.announce(text.figuresByHand, "warning");
+      return;
+    }
+    editor.commit(doc);
+    this.announce(text.figuresParted);
   }
 
   /** @param {ClipboardEvent} event @param {boolean} cut */

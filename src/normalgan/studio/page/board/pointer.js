@@ -92,6 +92,8 @@ export class Pointers {
     const { board, pressed } = this;
     const pen = event.pointerType === "pen";
     if (pen) {
+      // Another pen, or one whose lifting was never reported, has drawn what it has drawn.
+      if ([...pressed.values()].some((each) => each.pen)) this.#finish("up");
       // The hand touched the screen before the pen, so its gesture was not intended.
       this.cancel();
       pressed.clear();
@@ -156,6 +158,11 @@ export class Pointers {
     const { pressed, tap } = this;
     if (!pressed.delete(event.pointerId) || pressed.size) return;
     if (way === "up" && tap.fingers > 1 && event.timeStamp - tap.since < TAP && tap.stirred < STIRRED) this.tapped(tap.fingers);
+    this.#finish(way);
+  }
+
+  /** @param {"up" | "cancel"} way */
+  #finish(way) {
     this.panning = false;
     this.board.canvas.classList.remove("grabbing");
     const ending = this.active;

@@ -6,10 +6,11 @@ import { chosenBy, insideOf } from "../drawing/lasso.js";
 import { aboutPoint, extentOf, isHit, unitedBox } from "../drawing/moving.js";
 import { boxOfSelection, cutFailed, insideOfSelection, isCut, isIn, isNothing, onceCut, together, withCuts, withMoved, without } from "../drawing/selection.js";
 import { makeRoom } from "../drawing/simplify.js";
-import { text } from "../text/text.js";
+import { say, text } from "../text/text.js";
 import { cornersOf, knobOf } from "./selection_frame.js";
 
 /** @typedef {import("../drawing/editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
+/** @typedef {Selection & {layer?: import("../drawing/document.js").Layer}} Hit layer: if it isn't the active one */
 
 /** Minimum distance from the fixed corner, in drawing pixels, for scaling; closer, each pixel would scale too much. */
 const LEAST = 4;
@@ -25,6 +26,7 @@ const TURN = Math.PI / 12;
  * @property {{x: number, y: number}} [fixed] the fixed point of a scaling or rotation
  * @property {Selection} before
  * @property {Touch} [late] the latest position while pictures are still being cut
+ * @property {boolean} [frame] whether it started within the selection's frame, off its lines; a click there deselects
  */
 
 /** Returns the move that a drag makes. @param {Held} held @param {Touch} touch @returns {import("../drawing/moving.js").Move} */
@@ -57,11 +59,23 @@ export class SelectTool {
     const { selection } = editor;
     this.held = this.#heldByHandle(touch);
     if (this.held) return;
-    const hit = this.#hit(touch);
     if (!touch.straight && insideOfSelection(selection)?.(touch)) {
       this.held = { kind: "move", from: touch, before: selection };
       return;
     }
+    const hit = this.#hit(touch) ?? (editor.lassoes || touch.straight ? null : this.#hitElsewhere(touch));
+    if (!touch.straight && !hit && this.#isFramed(touch)) {
+      this.held = { kind: "move", from: touch, before: selection, frame: true };
+      return;
+    }
+    this.#press(touch, hit);
+  }
+
+  /** Starts a drag on an item, or a marquee or lasso beside all items. @param {Touch} touch @param {Hit | null} hit */
+  #press(touch, hit) {
+    const { editor } = this;
+    if (hit?.layer) this.#workOn(hit.layer);
+    const { selection } = editor;
     if (!hit || (editor.lassoes && !isIn(selection, hit))) {
       this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING };
       if (!touch.straight) editor.set({ selection: NOTHING });
@@ -71,6 +85,19 @@ export class SelectTool {
     if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
     else if (!has) editor.set({ selection: hit });
     this.held = { kind: "move", from: touch, before: editor.selection };
+  }
+
+  /** Whether a touch lies within the frame around the selection. @param {Touch} touch */
+  #isFramed({ x, y }) {
+    const { doc, selection } = this.editor;
+    const box = boxOfSelection(doc, selection);
+    return box !== null && x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+  }
+
+  /** Makes another layer the active one, and announces it. @param {import("../drawing/document.js").Layer} layer */
+  #workOn({ id, name }) {
+    this.editor.work(id);
+    this.announce(say("layerWorked", { name }));
   }
 
   /** Starts a drag of the knob or a corner handle. @param {Touch} touch @returns {Held | null} null if neither is hit */
@@ -138,7 +165,8 @@ export class SelectTool {
       return;
     }
     editor.marquee = editor.lasso = null;
-    if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
+    if (held?.frame && !editor.draft) editor.set({ selection: NOTHING });
+    else if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
     else if (held?.kind === "around" && marquee) this.#chooseIn(marquee, held.before);
     else if (editor.draft) editor.commit(editor.draft);
     else editor.mark();
@@ -166,7 +194,7 @@ export class SelectTool {
   /** Selects everything within a lasso; a lasso that is only a click selects what it hits. @param {{from: Touch, before: Selection}} held @param {number[]} drawn */
   #drawnAround({ from, before }, drawn) {
     const { editor } = this;
-    const { layer, doc } = editor;
+    const { doc } = editor;
     if (drawn.length < 6) {
       const hit = this.#hit(from);
       if (hit) editor.set({ selection: isIn(before, hit) ? without(before, hit) : together(before, hit) });
@@ -175,7 +203,7 @@ export class SelectTool {
     }
     const lasso = [...(before.lasso ?? []), drawn];
     const inside = insideOf(lasso);
-    const { strokes, cuts } = chosenBy(layer, lasso);
+    const { strokes, cuts } = this.#chosenBy(lasso, isNothing(before));
     const pictures = doc.pictures.flatMap((picture, i) => (cornersOf(extentOf(picture)).every(inside) ? [i] : []));
     const found = together({ strokes: before.strokes, pictures: before.pictures }, { strokes, pictures });
     // A picture that is selected as a whole is not cut.
@@ -189,6 +217,24 @@ export class SelectTool {
       if (inked.length < selection.cuts.length) this.#choose({ ...selection, cuts: inked });
       else editor.mark();
     }).catch(cutFailed(this.announce));
+  }
+
+  /**
+   * Returns what a lasso selects in the active layer, or else in the front layer where it selects something.
+   * @param {number[][]} lasso @param {boolean} any whether another layer may become the active one
+   */
+  #chosenBy(lasso, any) {
+    const { editor } = this;
+    const isSome = (/** @type {ReturnType<typeof chosenBy>} */ { strokes, cuts }) => strokes.length + cuts.length > 0;
+    const own = chosenBy(editor.layer, lasso);
+    if (isSome(own) || !any) return own;
+    for (const other of this.#others()) {
+      const found = chosenBy(other, lasso);
+      if (!isSome(found)) continue;
+      this.#workOn(other);
+      return found;
+    }
+    return own;
   }
 
   /** @param {Selection} selection of a lasso */
@@ -226,7 +272,22 @@ export class SelectTool {
     this.editor.set({ tool: "select", selection: { strokes, pictures: [] } });
   }
 
-  /** @param {Touch} touch @returns {Selection | null} what lies uppermost */
+  /** The other visible layers, from front to back. */
+  #others() {
+    const { doc: { layers }, layer } = this.editor;
+    return layers.filter((each) => each !== layer && each.visible).reverse();
+  }
+
+  /** Returns the uppermost line of other layers at a touch; their pictures would be hit everywhere. @param {Touch} touch @returns {Hit | null} */
+  #hitElsewhere(touch) {
+    for (const layer of this.#others()) {
+      const at = layer.strokes.findLastIndex((stroke) => stroke.kind === "pen" && isHit(stroke, touch, touch.reach / 3));
+      if (at >= 0) return { strokes: [at], pictures: [], layer };
+    }
+    return null;
+  }
+
+  /** @param {Touch} touch @returns {Hit | null} what lies uppermost */
   #hit(touch) {
     const { layer: { strokes }, doc: { pictures } } = this.editor;
     for (let i = strokes.length - 1; i >= 0; i--) {

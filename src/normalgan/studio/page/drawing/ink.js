@@ -62,12 +62,17 @@ export function inkAt(doc, longest) {
  */
 export function linesAt(doc, longest) {
   const { width, height } = doc;
-  const [first, ...others] = doc.layers.filter(({ visible }) => visible).map(({ strokes }) => inkAt({ width, height, strokes }, longest).canvas);
+  const layers = doc.layers.filter(({ visible }) => visible);
+  const [first, ...others] = layers.map(({ strokes }) => inkAt({ width, height, strokes }, longest).canvas);
   if (!first) return inkAt({ width, height, strokes: [] }, longest).canvas;
   const context = context2d(first);
   context.setTransform(1, 0, 0, 1, 0, 0);
-  context.globalCompositeOperation = "source-over"; // the last stroke may have been an eraser
-  for (const canvas of others) context.drawImage(canvas, 0, 0);
+  for (const [i, canvas] of others.entries()) {
+    const { channels, onPaper } = kindOf(layers[i + 1].strokes);
+    // The paper of an imported picture would hide what is behind it.
+    context.globalCompositeOperation = channels === 4 && onPaper ? "multiply" : "source-over";
+    context.drawImage(canvas, 0, 0);
+  }
   return first;
 }
 

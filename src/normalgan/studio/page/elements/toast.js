@@ -5,6 +5,12 @@ import { $, make } from "./dom.js";
 /** Milliseconds for which a toast is shown; longer while the pointer or the focus is on it. */
 const STAYS = 12_000;
 
+/** Pixels between a toast and the messages above it. */
+const GAP = 12;
+
+/** Raises the messages at the foot of a pane, which a toast would cover. @param {number} pixels */
+const makeRoom = (pixels) => document.documentElement.style.setProperty("--toast", `${pixels}px`);
+
 /** Removes the current toast. */
 let end = () => {};
 
@@ -23,6 +29,7 @@ export function toast(words, ways, ended = () => {}) {
     clearTimeout(timer);
     end = () => {};
     box.hidden = true;
+    makeRoom(0);
     then();
   };
   const wait = () => {
@@ -38,5 +45,6 @@ export function toast(words, ways, ended = () => {}) {
   $("toast-words").textContent = words;
   $("toast-ways").replaceChildren(...buttons);
   box.hidden = false;
+  makeRoom(box.offsetHeight + GAP);
   wait();
 }

@@ -215,6 +215,7 @@ export class Exporting {
     const all = what === "all";
     for (const input of /** @type {NodeListOf<HTMLInputElement>} */ ($("export-engines").querySelectorAll("input"))) {
       input.checked = input.value === (all ? field("export-format").value : "");
+      input.toggleAttribute("autofocus", input.checked); // otherwise the dialog focuses the first one, which then looks chosen too
       input.disabled = input.value !== "" && !this.offered.all?.includes(input.value);
     }
     $("export-what-row").hidden = $("export-format-row").hidden = all;

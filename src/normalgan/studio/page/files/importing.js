@@ -1,6 +1,6 @@
 /** Importing: open a picture as the drawing, as layers, or as a reference picture. */
 
-import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withSettings, withStroke } from "../drawing/document.js";
+import { MOST_LAYERS, MOST_PICTURES, activeLayer, isEmpty, withLayers, withNewLayer, withPictures, withSettings, withStroke } from "../drawing/document.js";
 import { darkOnLight, decodeAll } from "../drawing/pictures.js";
 import { choose } from "../elements/dialogs.js";
 import { $, make } from "../elements/dom.js";
@@ -167,7 +167,11 @@ export class Importing {
         if (doc.pictures.length >= MOST_PICTURES) throw new Error(say("tooManyPictures", { most: MOST_PICTURES }));
         this.editor.commit(named(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }])));
       } else {
-        this.editor.commit(named(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed })));
+        // On a layer with lines, its paper would cover them, and their points would apply to it.
+        const apart = activeLayer(doc).strokes.length > 0 && doc.layers.length < MOST_LAYERS;
+        const onto = apart ? withNewLayer(doc) : doc;
+        this.editor.commit(named(withStroke(onto, { kind: "picture", picture: await darkOnLight(url), ...placed })));
+        if (apart) said = `${said} ${say("layerWorked", { name: this.editor.layer.name })}`;
       }
     }
     if (fresh) this.view.fit();

@@ -70,7 +70,9 @@ export function nameOf(before, after) {
   }
   if (before.layers.length !== after.layers.length) return before.layers.length < after.layers.length ? text.stepLayer : text.stepLayerGone;
   if (before.layers.some(({ id }, i) => id !== after.layers[i].id)) return text.stepLayerMoved;
-  if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
+  // An import into an empty drawing also fits the paper to the picture.
+  const imports = (/** @type {import("../drawing/document.js").Doc} */ { layers, pictures }) => pictures.length + layers.reduce((sum, { strokes }) => sum + strokes.length, 0);
+  if ((before.width !== after.width || before.height !== after.height) && imports(after) <= imports(before)) return text.stepPaper;
   // A step changes one layer only.
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
   const name = layerStep(before.layers[at], after.layers[at]);

@@ -1,12 +1,14 @@
 /** Findings: messages about a map; findings with a place show it on the drawing. */
 
+import { MOST_LAYERS } from "../drawing/document.js";
 import { make } from "../elements/dom.js";
 import { say, sentence, text } from "../text/text.js";
 
 /**
  * @typedef {{code: string, places?: [number, number][], count?: number, total?: number, share?: number, layer?: string,
- *   words?: string}} Finding places: in pixels of the drawing; count of total: of how many it is true; layer: its name, where
- *   there are several; words: in English, where the page has none of its own
+ *   words?: string, outlines?: import("../drawing/lasso.js").Lasso[]}} Finding places: in pixels of the drawing; count of
+ *   total: of how many it is true; layer: its name, where there are several; words: in English, where the page has none of
+ *   its own; outlines: around each of separate figures
  */
 
 /** @param {number | undefined} share */
@@ -42,9 +44,10 @@ export const wordsOfFindings = (findings) => findings.map(wordsOfFinding).join("
  * for some seconds after a press.
  * @param {HTMLElement} element
  * @param {import("../drawing/editor.js").Editor} editor
+ * @param {(outlines: import("../drawing/lasso.js").Lasso[]) => void} part gives each of separate figures its own layer
  * @returns {(findings: Finding[]) => void} shows others
  */
-export function followFindings(element, editor) {
+export function followFindings(element, editor, part) {
   let shown = "";
   let timer = 0;
   /** @param {[number, number][]} places */
@@ -69,12 +72,21 @@ export function followFindings(element, editor) {
     });
     return button;
   };
+  /** @param {Finding} finding what can be done about it */
+  const ways = ({ code, outlines = [] }) => {
+    if (code !== "figures") return [];
+    // The first figure stays where it is. Of more figures than layers no outlines are sent.
+    if (!outlines.length || editor.doc.layers.length + outlines.length - 1 > MOST_LAYERS) return [make("span", { text: text.figuresByHand })];
+    const button = make("button", { type: "button", class: "way", text: text.figuresApart });
+    button.addEventListener("click", () => part(outlines));
+    return [button];
+  };
   return (findings) => {
     const json = JSON.stringify(findings);
     if (json === shown) return; // keeps the focus
     shown = json;
     ring([]);
-    element.replaceChildren(...findings.map(line));
+    element.replaceChildren(...findings.flatMap((each) => [line(each), ...ways(each)]));
     element.hidden = !findings.length;
   };
 }

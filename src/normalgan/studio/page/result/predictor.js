@@ -41,7 +41,7 @@ const sentStructures = (doc, { areas }) => Object.fromEntries(structuresOf(doc, 
 const scaledStructure = (structure, scale) =>
   ({ ...structure, period: possiblePeriod(structure.period * scale), x: (structure.x ?? 0) * scale, y: (structure.y ?? 0) * scale });
 
-/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `doubt`, `empty`, `failed` (detail: the error). */
+/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `unraised` (detail: why there are no heights), `doubt`, `empty`, `failed` (detail: the error). */
 export class Predictor extends EventTarget {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
@@ -351,7 +351,8 @@ export class Predictor extends EventTarget {
       this.heights = heights;
       this.dispatchEvent(new Event("height"));
     } catch (error) {
-      if (!isBrokenOff(error)) this.#failed(error, false);
+      if (error instanceof Refused) this.dispatchEvent(new CustomEvent("unraised", { detail: error }));
+      else if (!isBrokenOff(error)) this.#failed(error, false);
     } finally {
       if (this.climbing === climbing) this.climbing = null;
     }

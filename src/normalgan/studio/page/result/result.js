@@ -2,6 +2,7 @@
 
 import { $ } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
+import { reasonOf } from "../elements/status.js";
 import { Lacking } from "../server/api.js";
 import { say, text } from "../text/text.js";
 import { followFindings } from "./findings.js";
@@ -25,8 +26,12 @@ export class Result extends EventTarget {
     /** The current view. @type {View} */
     this.view = "map";
     this.predictor = predictor;
-    this.tell = followFindings($("warning"), predictor.editor);
+    /** Called to give each of separate figures its own layer. @type {(outlines: import("../drawing/lasso.js").Lasso[]) => void} */
+    this.onFigures = () => {};
+    this.tell = followFindings($("warning"), predictor.editor, (outlines) => this.onFigures(outlines));
     this.status = status;
+    /** Whether the pane says why there is no relief. */
+    this.unraised = false;
     /** Options of the flat views. */
     this.look = { tiled: false, pixelated: false };
     /** Called when keys have moved the light. @type {(light: number[]) => void} */
@@ -40,6 +45,11 @@ export class Result extends EventTarget {
     predictor.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
     predictor.addEventListener("raising", () => status.note(text.raising));
     predictor.addEventListener("height", () => this.#raised());
+    predictor.addEventListener("unraised", (event) => {
+      this.status.note("");
+      this.unraised = true;
+      this.#say(reasonOf(/** @type {CustomEvent} */ (event).detail));
+    });
     predictor.addEventListener("empty", () => this.#emptied());
     predictor.addEventListener("failed", (event) => this.#failed(/** @type {CustomEvent} */ (event).detail));
     for (const tab of this.#tabs()) {
@@ -62,6 +72,7 @@ export class Result extends EventTarget {
     remember(KEY, view);
     this.view = view;
     $("result").dataset.view = view;
+    this.#forget();
     this.viewer.setView(view);
     this.dispatchEvent(new Event("view"));
     this.predictor.wantHeight(view === "relief" && this.viewer.available);
@@ -116,6 +127,7 @@ export class Result extends EventTarget {
 
   #raised() {
     if (!this.predictor.heights) return;
+    this.#forget();
     const { heights, width, height } = this.predictor.heights;
     this.viewer.setHeight(heights, width, height);
     this.status.note("");
@@ -128,6 +140,12 @@ export class Result extends EventTarget {
     $("result").setAttribute("aria-busy", "false");
     this.tell([]);
     this.status.note("");
+  }
+
+  /** Removes the message that there is no relief. */
+  #forget() {
+    if (this.unraised) this.#say(null);
+    this.unraised = false;
   }
 
   /** @param {string | null} words what failed */
