@@ -498,6 +498,28 @@ def test_the_other_direction_of_pix2pix_is_named_and_can_be_set(tmp_path: Path, 
     assert wrong.fingerprint() != right.fingerprint()
 
 
+@pytest.mark.parametrize("layout", ["AB", "BA", "A and B"])
+@pytest.mark.parametrize("ending", ["jpg", "webp"])
+def test_a_lossy_normal_map_has_the_object_of_the_lossless_one(
+    tmp_path: Path, layout: str, ending: str
+) -> None:
+    # JPEG changes the colour of the background around each line, and over the seam of the two halves.
+    path = tmp_path / "lossy" / f"a_normal.{ending}"
+    write_pair(path.with_name("a.png"), tmp_path / "exact.png", 1, size=256)
+    halves = [Image.open(each).convert("RGB") for each in (path.with_name("a.png"), tmp_path / "exact.png")]
+    if layout == "A and B":
+        halves[1].save(path, quality=75)
+    else:
+        both = np.hstack([np.asarray(half) for half in (halves[::-1] if layout == "BA" else halves)])
+        (tmp_path / "double" / "AB").mkdir(parents=True)
+        Image.fromarray(both).save(tmp_path / "double" / "AB" / f"a.{ending}", quality=75)
+    folder = path.parent if layout == "A and B" else tmp_path / "double"
+    (pair,) = Pairs(str(folder), direction="BtoA" if layout == "BA" else "AtoB").found()
+    truth = np.abs(ellipsoid(1, 256)[1]).sum(-1) > 0
+    mask = pair.load().mask
+    assert (mask & truth).sum() / (mask | truth).sum() > 0.95
+
+
 def test_side_by_side_pictures_of_other_shapes_are_halved_or_named(tmp_path: Path) -> None:
     for number in range(3):
         write_double(tmp_path / "AB" / "train" / f"{number}.png", number, columns=2 * SIZE - (number == 0))

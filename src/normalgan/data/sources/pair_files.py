@@ -127,19 +127,23 @@ class PairFiles:
         picture: AnyPicture = self.sketch
         subject = str(self.normal)
         vectors, alpha = read_normals(self.normal, self.green)
+        lossy = self.mask is None and _is_lossy(self.normal)
         if self.sketch == self.normal:  # side by side
             middle = vectors.shape[1] // 2
             left, right = np.s_[:, :middle], np.s_[:, middle:]
             of_sketch, of_normal = (left, right) if self.direction == "AtoB" else (right, left)
             picture = read_pixels(self.sketch).pixels[of_sketch]
             vectors, alpha = vectors[of_normal], None if alpha is None else alpha[of_normal]
+            if lossy:  # its colours bleed over the seam, by the one pixel to which they are enlarged
+                edge, inner = (0, 1) if self.direction == "AtoB" else (-1, -2)
+                vectors[:, edge] = vectors[:, inner]
             subject = f"the {'right' if self.direction == 'AtoB' else 'left'} half of {self.normal}"
         sketch = as_picture(picture)
         hints = None if self.hints is None else load_hints(self.hints, sketch.shape)
         if hints is not None and self.hints is not None and self.hints.suffix.lower() == ".png":
             hints = replace(hints, normals=flip_green(hints.normals)) if self.green == "down" else hints
         try:
-            return Pair(sketch, vectors, self.mask or _object(vectors, alpha), hints)
+            return Pair(sketch, vectors, self.mask or _object(vectors, alpha, lossy), hints)
         except InputError as error:
             raise with_subject(subject, error) from error
 
@@ -365,9 +369,16 @@ def _listed(folder: Path, where: str, row: dict[str, str]) -> PairFiles | Reason
     return PairFiles(name, sketch, normal, mask, hints, group=row.get("group", ""), part=part)
 
 
-def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:
+def _is_lossy(path: Path) -> bool:
+    """Return whether a picture was compressed with loss, as a JPEG or a lossy WebP."""
+    with path.open("rb") as file:
+        start = file.read(16)
+    return start.startswith(b"\xff\xd8") or start[8:] == b"WEBPVP8 "
+
+
+def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None, lossy: bool) -> BoolMask:
     """Return the object of a normal map without a mask: the opaque part, or all but the background."""
-    found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
+    found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors, lossy)
     found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")
