@@ -8,16 +8,28 @@ from onnx import ModelProto, NodeProto, TensorProto, helper, numpy_helper, versi
 from onnxscript import optimizer
 
 from normalgan.errors import InputError, brief
+from normalgan.weights.file import NETWORK
 
 _SMALL = 64
 """Smaller tensors, such as shapes and scales, keep their type because they take little space."""
 
 
 def fold_constants(model: ModelProto) -> ModelProto:
-    """Return a model with constant subexpressions folded; weight names are kept."""
+    """Return a model with constant subexpressions folded; weights keep their names and values.
+
+    A weight that is only reshaped, as those of group norm or attention are, would otherwise be replaced by
+    the result. An initializer that is also an input can be overridden, so it is not a constant.
+    """
     done = ModelProto()
     done.CopyFrom(model)
+    inputs = len(done.graph.input)
+    done.graph.input.extend(
+        helper.make_tensor_value_info(each.name, each.data_type, each.dims)
+        for each in done.graph.initializer
+        if each.name.startswith(NETWORK)
+    )
     optimizer.fold_constants(done)
+    del done.graph.input[inputs:]
     optimizer.remove_unused_nodes(done)
     return done
 

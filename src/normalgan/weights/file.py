@@ -23,7 +23,9 @@ _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
 """Extensions of files that hold weights without training state."""
 _MOST_HEADER = 2**20  # names and shapes take a hundred bytes per tensor
-_NETWORK, _HALF = "generator.", ".half"
+NETWORK = "generator."
+"""Start of the names of a generator's weights in an ONNX file."""
+_HALF = ".half"
 _MEAN, _COUNT = "running_mean", "num_batches_tracked"
 """Parts of the names of tensors in an ONNX file."""
 _SMALL = 64  # smaller tensors take little space and keep their precision
@@ -123,9 +125,9 @@ def _parse_onnx(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
     for stored in model.graph.initializer:
         if uses_external_data(stored):
             raise ValueError("tensors in other files")
-        if not stored.name.startswith(_NETWORK):
+        if not stored.name.startswith(NETWORK):
             continue  # constants of the graph
-        name = stored.name.removeprefix(_NETWORK).removesuffix(_HALF)
+        name = stored.name.removeprefix(NETWORK).removesuffix(_HALF)
         tensors[name] = torch.from_numpy(numpy_helper.to_array(stored).copy())
         if name.endswith(_MEAN):
             tensors[name.removesuffix(_MEAN) + _COUNT] = torch.zeros((), dtype=torch.int64)
