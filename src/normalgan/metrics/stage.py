@@ -49,6 +49,10 @@ class StageMetrics(nn.Module):
             }
         )
 
+    def names(self) -> list[str]:
+        """Return the names of all metrics."""
+        return [str(name) for row in self.rows.values() for name in cast(MetricCollection, row)]
+
     def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
         """Update the metrics of a row with a batch.
 
