@@ -402,12 +402,13 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
     spoil(tmp_path)
     splits = '{"train": ["a0", "a1"], "val": ["a2"], "test": ["a3"]}'
     (tmp_path / "split.json").write_text(splits)
-    module = data(tmp_path, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")), hints=True)
+    hints = spoil is give_a_hint_off_the_object
+    module = data(tmp_path, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")), hints=hints)
     with pytest.warns(UserWarning, match=f"(the pair a1|1 file) is left out: .*{sentence}"):
         module.prepare_data()
     assert {module.train_dataset[i]["name"] for i in range(len(module.train_dataset))} == {"a0/0"}
     (tmp_path / "split.json").write_text(splits.replace('["a0", "a1"]', '["a1"]').replace('"a2"', '"a0"'))
-    alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=True)
+    alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=hints)
     with (
         pytest.warns(UserWarning, match=re.escape("does not name")),
         pytest.raises(InputError, match=f"(?s)the only pair for train .*: .*{sentence}"),
@@ -471,6 +472,38 @@ def test_folders_of_pix2pix_are_read_as_they_are(tmp_path: Path, layout: str) ->
     pair, other = module.sources["val"][0].load(), plain.load()
     np.testing.assert_array_equal(pair.normal, other.normal)
     assert pair.sketch.shape == other.sketch.shape == (SIZE, SIZE)
+
+
+@pytest.mark.parametrize("layout", ["sketch and normal", "beside", "trainA and trainB"])
+def test_folders_of_splits_hold_pairs_of_any_layout(tmp_path: Path, layout: str) -> None:
+    for number, part in enumerate(SPLITS):
+        sketch, normal = {
+            "sketch and normal": (f"{part}/sketch/{number}.png", f"{part}/normal/{number}.png"),
+            "beside": (f"{part}/{number}.png", f"{part}/{number}_normal.png"),
+            "trainA and trainB": (f"{part}A/{number}.png", f"{part}B/{number}.png"),
+        }[layout]
+        write_pair(tmp_path / sketch, tmp_path / normal, number)
+    module = data(tmp_path, tmp_path / "cache")
+    assert names(module) == {part: [f"{part}/{number}"] for number, part in enumerate(SPLITS)}
+    np.testing.assert_allclose(module.sources["val"][0].load().normal, exact(1).normal, atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ("gone", "there is no file or folder .*gone; a pair is a.png"),
+        ("A", r"no sketch is at .*A; a pair .*; name the folder that holds A and B, [^*]*\.$"),
+    ],
+)
+def test_a_message_about_a_folder_names_what_works(tmp_path: Path, entry: str, sentence: str) -> None:
+    write_pair(tmp_path / "A" / "train" / "0.png", tmp_path / "B" / "train" / "0.png", 0)
+    with pytest.raises(InputError, match=sentence):
+        Pairs(str(tmp_path / entry)).found()
+
+
+def test_hints_that_no_pair_has_are_not_used_in_silence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"hints of Pairs is true, but no pair has hints.* add them, or set"):
+        Pairs(str(write_pairs(tmp_path, 3)), hints=True).found()
 
 
 def write_double(path: Path, number: int, flipped: bool = False, columns: int = 2 * SIZE) -> None:

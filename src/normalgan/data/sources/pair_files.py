@@ -7,7 +7,7 @@ import json
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from glob import glob
+from glob import glob, has_magic
 from os.path import commonpath
 from pathlib import Path
 from typing import Literal
@@ -49,8 +49,8 @@ Reason = str
 """Why a file, or a line of a CSV, is left out; a sentence without its full stop."""
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
-    "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
-    "val and test below these"
+    "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; splits are folders train, "
+    "val and test, below these or around them"
 )
 """Description of the supported layouts on disk, for messages."""
 
@@ -159,8 +159,10 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         InputError: if there is no sketch, or a CSV is invalid.
     """
     path = Path(entry)
+    if not path.exists() and not has_magic(entry):
+        raise InputError(f"there is no file or folder {entry}; {LAYOUTS}.")
     if path.is_dir():
-        known = list(_pix2pix(path, direction))
+        known = list(_pix2pix(path, direction)) or list(_in_split_folders(path, direction))
         yield from known
         if any(isinstance(each, PairFiles) for each in known):
             return
@@ -183,8 +185,11 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:
         kind = "an empty folder" if path.is_dir() and not any(path.iterdir()) else "no sketch"
-        below = path.is_dir() and any(is_drawing(each) for each in path.glob("*/*"))
+        inside = (each for each in path.glob("**/*") if is_drawing(each)) if path.is_dir() else ()
+        below = any(_partner(each, "normal") for each in inside)
         more = f"; those in folders below it are named by a glob, '{entry}/**/*.png'" if below else ""
+        if path.name in {"A", "B"} and path.is_dir():
+            more = f"; name the folder that holds A and B, {path.parent}"
         raise InputError(f"{kind} is at {entry}; {LAYOUTS}{more}.")
     for sketch in sketches:
         normal = _partner(sketch, "normal")
@@ -198,8 +203,9 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
 def _pix2pix(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
     """Yield the pairs of a pix2pix folder: ``A`` and ``B``, or side-by-side pictures in ``AB``.
 
-    The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, if a picture in
-    one of them is twice as wide as high, all of them are read as side-by-side pairs.
+    The subfolders ``train``, ``val`` and ``test`` are the splits. ``trainA`` and ``trainB`` are read too.
+    Without a folder ``AB``, if a picture in one of the splits is twice as wide as high, all of them are read
+    as side-by-side pairs.
     """
     sketches, normals = (root / name for name in ("AB" if direction == "AtoB" else "BA"))
     both = root / "AB"
@@ -212,6 +218,24 @@ def _pix2pix(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
             yield from _same_stems(sketches / below, normals / below, part)
         elif not sketches.is_dir() and ((both / below).is_dir() or (part and bare)):
             yield from _side_by_side(both / below if both.is_dir() else root / below, part, direction)
+        letters = "AB" if direction == "AtoB" else "BA"
+        first, second = (root / f"{part}{letter}" for letter in letters)
+        if part and first.is_dir() and second.is_dir():
+            yield from _same_stems(first, second, part)
+
+
+def _in_split_folders(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
+    """Yield the pairs of folders ``train``, ``val`` and ``test``, each of which has another layout inside."""
+    if _subfolder(root, "sketch") or any(map(is_drawing, root.iterdir())):
+        return
+    for part in SPLITS:
+        if not (root / part).is_dir() or not any((root / part).iterdir()):
+            continue
+        for found in find_pairs(str(root / part), direction):
+            if isinstance(found, PairFiles):
+                yield replace(found, name=f"{part}/{found.name}", part=part)
+            else:
+                yield found
 
 
 def _same_stems(sketches: Path, normals: Path, part: str | None) -> Iterator[PairFiles | Reason]:
