@@ -419,13 +419,14 @@ def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
     Raises:
         InputError: if a name is unknown; otherwise Lightning finds it only after the first epoch.
     """
-    rows = tuple({name.rpartition("/")[0] + "/" for name in known})
+    rows = tuple(dict.fromkeys(name.rpartition("/")[0] + "/" for name in known))
+    figures = dict.fromkeys(name.rpartition("/")[2] for name in known)
     for callback in callbacks:
         name = getattr(callback, "monitor", None)
         if isinstance(name, str) and name.startswith(rows) and name not in known:
             raise InputError(
                 f"{type(callback).__name__} monitors {name}, which validation does not log."
-                f"{did_you_mean(name, known)} Known: {', '.join(known)}."
+                f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
             )
 
 

@@ -63,6 +63,7 @@ from normalgan.cli.training.trainer import (
     check_trainer,
     check_trains,
     keep_earlier_logs,
+    refused_by_lightning,
 )
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import CommandExit, InputError, brief, printable, tell
@@ -324,6 +325,11 @@ def run(arguments: list[str]) -> int:
             command.run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
+        except (ValueError, RuntimeError) as error:
+            if isinstance(error, InputError) or not refused_by_lightning(error):
+                raise
+            reason = shorten(brief(error), 250, placeholder=" …")
+            raise InputError(f"a setting cannot be used: {reason}") from error
         except SIGTERMException:
             return 128 + signal.SIGTERM
         except CommandExit as stop:

@@ -1,5 +1,7 @@
 """The trainer of the training commands: Lightning's Trainer with `render`, and checks of its settings."""
 
+import linecache
+import traceback
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,7 @@ from lightning.pytorch.loggers import CSVLogger
 from lightning.pytorch.strategies import DDPStrategy
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError
+from normalgan.errors import InputError, third_party_place
 from normalgan.gan import NormalGAN
 
 _INSTEAD = {
@@ -88,6 +90,18 @@ def check_strategy(trainer: Trainer, given: object) -> None:
             "leaves one of them untouched; add --config ddp, or pass --trainer.strategy "
             "ddp_find_unused_parameters_true."
         )
+
+
+def refused_by_lightning(error: Exception) -> bool:
+    """Return whether a statement of Lightning raised an error, which it does about its settings.
+
+    Errors that PyTorch raises within a call from Lightning, or that our classes and plug-ins raise, are not.
+    """
+    frames = list(traceback.walk_tb(error.__traceback__))
+    frame, line = frames[-1]
+    of_lightning = str(frame.f_globals.get("__name__")).startswith("lightning.")
+    stated = linecache.getline(frame.f_code.co_filename, line).lstrip().startswith("raise ")
+    return of_lightning and stated and third_party_place(error) is None
 
 
 def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
