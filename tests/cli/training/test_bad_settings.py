@@ -182,6 +182,15 @@ def test_plain_ddp_is_refused_before_any_process_starts(
     outcome.refused("(ddp)" if not strategy else "is ddp,", "--config ddp", "ddp_find_unused_parameters_true")
 
 
+@pytest.mark.filterwarnings("ignore:.*was trained with other settings.*")
+def test_a_measurement_of_nothing_is_refused(bench: Bench, tmp_path: Path) -> None:
+    for command, setting in (("validate", "limit_val_batches"), ("test", "limit_test_batches")):
+        given = (f"--trainer.{setting}", 0, "--ckpt_path", "shipped", "--data.size", 256)
+        outcome = bench.run(command, tmp_path / "run", *given)
+        assert outcome.code == 2
+        assert f"trainer.{setting} is 0, so {command} would measure nothing" in outcome.err
+
+
 @pytest.mark.skipif(importlib.util.find_spec("wandb") is not None, reason="wandb is installed")
 def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")

@@ -44,6 +44,8 @@ def explain(
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
+    >>> explain('Parser key "report.metrics":\n  Expected a <class \'list\'>. Got value: ShareBelow', {})
+    'argument "report.metrics": expected a list, not ShareBelow. A list of one is \'[ShareBelow]\'.'
     >>> explain('Parser key "size":\n  Not of type Side: 4 does not conform to restriction v>=8 and v<=9', {})
     'argument "size": 4 is out of range; it must be >= 8 and <= 9.'
     >>> explain('Parser key "data.split": Unable to load config "x.yaml"', {}, ["data.split.file"])
@@ -94,7 +96,11 @@ def explain(
         return where + sentence
     wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
     if key and wanted:
-        return f"{where}expected {' or '.join(wanted)}, not {_given(message)}."
+        given = _given(message)
+        more = (
+            f" A list of one is '[{given}]'." if "a list" in wanted and re.fullmatch(r"[\w.]+", given) else ""
+        )
+        return f"{where}expected {' or '.join(wanted)}, not {given}.{more}"
     return " ".join(message.replace(" - ", " ").split())
 
 

@@ -59,6 +59,7 @@ from normalgan.cli.training.slurm import check_left_behind, requeued_on_signal, 
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
+    check_measures,
     check_strategy,
     check_trainer,
     check_trains,
@@ -224,6 +225,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        check_measures(config["trainer"], command)
         check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:

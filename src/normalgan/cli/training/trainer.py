@@ -26,6 +26,8 @@ _INSTEAD = {
 """Trainer settings that have no effect under manual optimisation, and what to use instead."""
 _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
 """Trainer settings that limit the duration of training."""
+_MEASURED = {"validate": "limit_val_batches", "test": "limit_test_batches"}
+"""Trainer setting that limits the number of batches that a command measures."""
 _PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
 """Names of strategies that do not look for parameters unused in a step."""
 _OF_A_COMMAND = ("ckpt_path", "weights_only")
@@ -71,6 +73,17 @@ def check_trains(settings: Mapping[str, Any]) -> None:
                 f"trainer.{name} is 0, so fit would train nothing; increase or omit it. "
                 "To only render samples, use normalgan render."
             )
+
+
+def check_measures(settings: Mapping[str, Any], command: str) -> None:
+    """Check that ``validate`` and ``test`` measure at all; otherwise they would end without a figure.
+
+    Raises:
+        InputError: if a setting leaves no batch to measure.
+    """
+    name = _MEASURED.get(command)
+    if name is not None and settings[name] == 0:
+        raise InputError(f"trainer.{name} is 0, so {command} would measure nothing; increase or omit it.")
 
 
 def check_strategy(trainer: Trainer, given: object) -> None:
