@@ -263,6 +263,16 @@ def test_validation_hints_are_the_same_every_time(tmp_path: Path) -> None:
     assert first == again
 
 
+def test_validation_measures_where_the_object_is(tmp_path: Path) -> None:
+    # The error of directions alone does not show a network that predicts only background.
+    gan = make()
+    with torch.no_grad():
+        for parameter in gan.generator.parameters():
+            parameter.zero_()
+    (figures,) = trainer(tmp_path).validate(gan, loader(), verbose=False)
+    assert figures["val/hints/mask_iou"] == figures["val/no_hints/coverage"] == 0
+
+
 def test_hints_of_the_batch_are_not_asked_for_again() -> None:
     gan = make(hint_sampler=NoHints())
     given = batch()

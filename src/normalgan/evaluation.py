@@ -37,7 +37,7 @@ class EvaluationSteps(LightningModule):
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
-            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"), with_presence=True)
+            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
     def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
         """Predict normal maps.

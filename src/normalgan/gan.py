@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Annotated, cast
 
@@ -12,11 +12,11 @@ from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
 from torch.optim import Optimizer, RMSprop
-from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
+from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler, OneCycleLR, ReduceLROnPlateau
 
 from normalgan.batch import Batch
 from normalgan.contracts import check_kinds, describe
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.evaluation import EvaluationSteps
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
@@ -41,6 +41,9 @@ from normalgan.seeds import derive_seed, seed_torch
 ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
+_MONITOR = "val/hints/angular_mean"
+"""Metric that a schedule follows if no checkpoint callback names one."""
+
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
@@ -62,7 +65,8 @@ class NormalGAN(SavedSettings, EvaluationSteps):
         generator_optimizer: optimiser of the generator.
         discriminator_optimizer: optimiser of the discriminator.
         lr_scheduler: schedule of both learning rates, stepped after each epoch; None keeps them constant.
-            ``CosineAnnealingLR`` ends at ``max_epochs``, whatever its ``T_max``.
+            ``CosineAnnealingLR`` ends at ``max_epochs``, whatever its ``T_max``. ``ReduceLROnPlateau``
+            follows the metric that ``checkpoint.monitor`` names.
         adversarial_weight: weight of the objective's generator loss.
         reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
@@ -151,6 +155,7 @@ class NormalGAN(SavedSettings, EvaluationSteps):
         self.line_widths = check_line_widths(line_widths)
         self.compile_generator = check_compile(compile)
         self._generate: Callable[[Tensor], Predictions] | None = None  # compiled, while a run trains
+        self._validated: int | None = None  # the last epoch that was validated
         check_ranges(self)
 
     def setup(self, stage: str) -> None:
@@ -166,14 +171,22 @@ class NormalGAN(SavedSettings, EvaluationSteps):
             loop = self.trainer.fit_loop.epoch_loop
             self._max_steps, loop.max_steps = loop.max_steps, -1
         self.make_metrics(stage)
+        if stage == "fit":
+            _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.names())
 
     def on_train_start(self) -> None:
-        """Restore ``max_steps``, and end a cosine schedule with the run, also if it is resumed for longer."""
+        """Restore ``max_steps``, and end a cosine schedule with the run, also if it is resumed for longer.
+
+        Raises:
+            InputError: if a one-cycle schedule has another length than the run.
+        """
         self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
                 _end_cosine_at(config.scheduler, epochs)
+            if isinstance(config.scheduler, OneCycleLR) and epochs is not None and epochs > 0:
+                _check_one_cycle(config.scheduler, epochs)
 
     def teardown(self, stage: str) -> None:
         """Drop the compiled function, which cannot be copied or pickled."""
@@ -339,8 +352,26 @@ class NormalGAN(SavedSettings, EvaluationSteps):
             return  # max_steps or max_time stopped the run within the epoch; the rates change at its end
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
-            if scheduler is not None:
+            if isinstance(scheduler, ReduceLROnPlateau):
+                if self._validated == self.current_epoch:
+                    scheduler.step(self._monitored())
+            elif scheduler is not None:
                 scheduler.step()
+
+    def on_validation_end(self) -> None:
+        """Note the epoch, whose error a schedule may follow."""
+        if not self.trainer.sanity_checking:
+            self._validated = self.current_epoch
+
+    def _monitored(self) -> Tensor:
+        """Return the metric by which the best checkpoint is chosen, of the last validation."""
+        monitors = [getattr(each, "monitor", None) for each in self.trainer.checkpoint_callbacks]
+        name = next((each for each in monitors if each), _MONITOR)
+        if name not in self.trainer.callback_metrics:
+            raise InputError(
+                f"ReduceLROnPlateau follows the monitor of checkpoints, {name}, which was not logged."
+            )
+        return self.trainer.callback_metrics[name]
 
     def configure_optimizers(self) -> tuple[list[Optimizer], list[LRScheduler]]:
         """Return the optimisers of the generator and of the discriminator, in this order."""
@@ -348,7 +379,10 @@ class NormalGAN(SavedSettings, EvaluationSteps):
         if self.discriminator is not None:
             name = "discriminator_optimizer"
             optimizers.append(_optimizer(self.discriminator_optimizer, self.discriminator, name))
-        return optimizers, [self.lr_scheduler(o) for o in optimizers] if self.lr_scheduler else []
+        try:
+            return optimizers, [self.lr_scheduler(o) for o in optimizers] if self.lr_scheduler else []
+        except ValueError as error:  # such as a negative factor, which is found only here
+            raise InputError(f"lr_scheduler cannot be used: {brief(error)}.") from error
 
     def _optimizers(self) -> list[LightningOptimizer]:
         optimizers = self.optimizers()
@@ -377,11 +411,44 @@ def _check_callbacks(callbacks: Iterable[object]) -> None:
             )
 
 
+def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
+    """Check that the metrics by which callbacks stop or save are those that validation logs.
+
+    Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
+
+    Raises:
+        InputError: if a name is unknown; otherwise Lightning finds it only after the first epoch.
+    """
+    rows = tuple(dict.fromkeys(name.rpartition("/")[0] + "/" for name in known))
+    figures = dict.fromkeys(name.rpartition("/")[2] for name in known)
+    for callback in callbacks:
+        name = getattr(callback, "monitor", None)
+        if isinstance(name, str) and name.startswith(rows) and name not in known:
+            raise InputError(
+                f"{type(callback).__name__} monitors {name}, which validation does not log."
+                f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
+            )
+
+
 def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
     try:
         return make(network.parameters())
     except ValueError as error:  # such as a negative learning rate, which is found only here
         raise InputError(f"{name} cannot be used: {brief(error)}.") from error
+
+
+def _check_one_cycle(schedule: OneCycleLR, epochs: int) -> None:
+    """Check that a one-cycle schedule ends with the run; a longer run would fail, a shorter one end too high.
+
+    Raises:
+        InputError: if its length is not the number of epochs.
+    """
+    if schedule.total_steps != epochs:
+        raise InputError(
+            f"OneCycleLR has {schedule.total_steps} steps, one for each epoch, but the run has {epochs} "
+            f"epochs; set total_steps of model.lr_scheduler to {epochs}. A resumed run keeps its schedule: "
+            "start another run from its weights, by the callback StartFrom."
+        )
 
 
 def _end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:

@@ -54,6 +54,9 @@ def test_an_equal_number_of_images_whatever_the_batch_and_the_critic() -> None:
 def test_a_cosine_ends_with_the_run() -> None:
     result = timed(settings(), 8000, 1000, None)
     assert result["model"]["lr_scheduler"]["init_args"] == {"T_max": 8}
+    one_cycle = {"class_path": "OneCycleLR", "init_args": {"max_lr": 0.1, "total_steps": 3}}
+    cycle = timed(settings(lr_scheduler=one_cycle), 8000, 1000, None)["model"]["lr_scheduler"]
+    assert cycle["init_args"] == {"max_lr": 0.1, "total_steps": 8}
     assert result["trainer"]["max_time"] is None
     assert timed(settings(lr_scheduler=None), 8000, 1000, None)["model"]["lr_scheduler"] is None
 

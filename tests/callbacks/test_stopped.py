@@ -2,16 +2,19 @@
 
 import os
 import signal
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 import torch
-from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.trainer.states import TrainerFn
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks import StoppedCheckpoint
+from small import QUIET, gan, trainer
+from spheres import loader
 
 MODULE = cast(LightningModule, None)
 
@@ -62,3 +65,46 @@ def test_a_single_process_is_left_to_lightning() -> None:
     alone.on_train_batch_start(trainer, MODULE, None, 0)
     assert signal.getsignal(signal.SIGTERM) == before
     assert asked == [True]
+
+
+class Validations(Callback):
+    """Notes the epochs that were validated to the end, and stops the run in a validation on request."""
+
+    def __init__(self, stopped_in: int | None = None) -> None:
+        self.stopped_in = stopped_in
+        self.seen: list[tuple[int, float]] = []
+
+    def on_validation_batch_start(self, trainer: Trainer, *_: object) -> None:
+        if trainer.current_epoch == self.stopped_in and self.seen_batches:
+            raise SIGTERMException
+        self.seen_batches += 1
+
+    def on_validation_start(self, *_: object) -> None:
+        self.seen_batches = 0
+
+    def on_validation_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        self.seen.append((trainer.current_epoch, float(trainer.callback_metrics["val/hints/angular_mean"])))
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings(*QUIET)
+def test_a_validation_in_which_a_run_was_stopped_is_repeated_when_it_is_resumed(tmp_path: Path) -> None:
+    def run(
+        folder: str, stopped_in: int | None = None, resumed: Path | None = None
+    ) -> list[tuple[int, float]]:
+        noted = Validations(stopped_in)
+        own = trainer(
+            tmp_path / folder, max_epochs=3, num_sanity_val_steps=0, callbacks=[StoppedCheckpoint(), noted]
+        )
+        path = None if resumed is None else str(resumed)
+        try:
+            own.fit(gan(), loader(), loader(), ckpt_path=path, weights_only=path is not None)
+        except SIGTERMException:
+            assert stopped_in is not None
+        return noted.seen
+
+    whole = run("whole")
+    assert [epoch for epoch, _ in whole] == [0, 1, 2]
+    assert run("stopped", stopped_in=1) == whole[:1]
+    resumed = run("resumed", resumed=tmp_path / "stopped" / "checkpoints" / "stopped.ckpt")
+    assert resumed == whole[1:]

@@ -29,6 +29,11 @@ def save(path: Path, kind: str) -> Generator:
     """Write a checkpoint, and return the generator in it."""
     generator = make_generator(kind)
     arguments = UNET if kind == "UNetGenerator" else RESIDUAL
+    return save_generator(path, generator, f"normalgan.models.{kind}", arguments)
+
+
+def save_generator(path: Path, generator: Generator, name: str, arguments: dict[str, Any]) -> Generator:
+    """Write a checkpoint of a generator, by the name and the arguments of its class, and return it."""
     state = {f"generator.{name}": tensor for name, tensor in generator.state_dict().items()}
     torch.save(
         {
@@ -36,7 +41,7 @@ def save(path: Path, kind: str) -> Generator:
             "state_dict": state,
             "hparams_name": "kwargs",
             "hyper_parameters": {
-                "generator": {"class_path": f"normalgan.models.{kind}", "init_args": arguments},
+                "generator": {"class_path": name, "init_args": arguments},
                 "discriminator": None,
                 "hint_sampler": {"class_path": "normalgan.hints.UniformHints", "init_args": {}},
                 "objective": {"class_path": "normalgan.losses.Wasserstein", "init_args": {}},

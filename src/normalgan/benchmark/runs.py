@@ -19,6 +19,9 @@ _OWN_DATA = (
 )
 """Data settings that may differ between rows; all others must be the same."""
 
+_LENGTHS = ("T_max", "total_steps")
+"""Settings of schedules that end with the run: of a cosine, and of one cycle."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -135,9 +138,10 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
     else:
         whole = samples // batch * batch if samples >= batch else samples  # without an incomplete last batch
         trainer["max_epochs"] = max(1, round(images * _batches_a_step(settings) / whole))
-        if schedule is not None and "T_max" in schedule.get("init_args", {}):
-            arguments = {**schedule["init_args"], "T_max": trainer["max_epochs"]}
-            schedule = {**schedule, "init_args": arguments}
+        if schedule is not None:
+            given = schedule.get("init_args", {})
+            ends = {name: trainer["max_epochs"] for name in _LENGTHS if name in given}
+            schedule = {**schedule, "init_args": {**given, **ends}} if ends else schedule
     trainer |= {"callbacks": callbacks, "max_steps": -1, "max_time": None, "check_val_every_n_epoch": 1}
     return {**settings, "trainer": trainer, "model": {**model, "lr_scheduler": schedule}}
 

@@ -69,7 +69,7 @@ class TestReport(Callback):
         self._of_pairs = data.of_pairs
         self._mean_map = data.mean_normal_map().to(pl_module.device)
         baselines = ("constant", "mean_map")
-        self._baselines = StageMetrics("test", baselines, with_presence=True).to(pl_module.device)
+        self._baselines = StageMetrics("test", baselines).to(pl_module.device)
         rows = (*baselines, "hints", "unhinted", "no_hints")
         self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
         # limit_test_batches reduces the tested samples; the gallery shows samples of one process only.

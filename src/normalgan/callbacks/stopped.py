@@ -36,7 +36,7 @@ class StoppedCheckpoint(Callback):
 
     def __init__(self) -> None:
         self._asked = self._interrupted = False
-        self._requeue = False
+        self._requeue = self._validating = False
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Replace the signal handlers; Lightning restores the original ones when training ends."""
@@ -91,7 +91,9 @@ class StoppedCheckpoint(Callback):
         if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set by Lightning, not typed
             return
         path = stopped_checkpoint(trainer.default_root_dir)
+        self._validating = trainer.validating
         trainer.save_checkpoint(path)
+        self._validating = False
         if isinstance(exception, LossError):
             exception.keep(path)
         elif trainer.is_global_zero:
@@ -99,6 +101,20 @@ class StoppedCheckpoint(Callback):
             tell(f"stopped by {name}; resume with --ckpt_path {path}.")
             if self._requeue:
                 requeue_job()
+
+    def on_save_checkpoint(
+        self, trainer: Trainer, pl_module: LightningModule, checkpoint: dict[str, Any]
+    ) -> None:
+        """Let a run that is stopped while it validates validate again when it is resumed.
+
+        Lightning does so only if a batch of the validation has been started but not finished. We stop
+        between batches, where it would skip the rest, and with it the epoch's error and best checkpoint.
+        """
+        if self._validating:
+            progress = checkpoint["loops"]["fit_loop"]["epoch_loop.val_loop.batch_progress"]
+            for counts in (progress["total"], progress["current"]):
+                counts.update(dict.fromkeys(counts, 0))
+            progress["total"].update(ready=1, started=1)
 
 
 def requeue_job() -> None:

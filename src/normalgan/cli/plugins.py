@@ -62,7 +62,8 @@ def _as_text(
     for kind, registry in chosen.items():
         rows = [(cls.__name__, registry.package(cls.__name__), summary(cls)) for cls in registry]
         name, package = (max(len(row[i]) for row in rows) for i in (0, 1))
-        how = f"--{settings[kind]} NAME" if kind in settings else "options of generate and predict"
+        form = "'[NAME]'" if kind == "metrics" else "NAME"  # metrics are the only kind that settings list
+        how = f"--{settings[kind]} {form}" if kind in settings else "options of generate and predict"
         lines += [f"{kind}  ({how})"]
         lines += [f"  {row[0]:{name}}  {row[1]:{package}}  {row[2]}".rstrip() for row in rows]
         lines += [""]

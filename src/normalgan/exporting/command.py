@@ -83,7 +83,7 @@ def _export(options: Namespace, target: Path) -> str:
     with gc_paused():
         from normalgan.exporting.comparison import largest_difference, turn_in_degrees
         from normalgan.exporting.deployed import load
-        from normalgan.exporting.formats import FORMATS
+        from normalgan.exporting.formats import FORMATS, write_onnx
 
     (model, notes), form = load(options.model, options.size, options.licence), FORMATS[target.suffix.lower()]
     content = form.write(model, notes.metadata())
@@ -97,6 +97,8 @@ def _export(options: Namespace, target: Path) -> str:
             f"the exported model differs from torch by {difference:.2g}, more than {_TOLERANCE}; nothing was "
             "written."
         )
+    if form.write is write_onnx:
+        _check_weights(content, target)
     said = f"differs from torch by at most {difference:.1g}"
     if options.half and form.halve:
         content = form.halve(content)
@@ -109,6 +111,20 @@ def _export(options: Namespace, target: Path) -> str:
             f"the model cannot be written to {error.filename}: {error.strerror}.", error
         ) from error
     return f"{printable(target)}\n{model.name}, {model.size} pixels, {len(content) / 1e6:.1f} MB; {said}."
+
+
+def _check_weights(content: bytes, target: Path) -> None:
+    """Warn if an ONNX file runs but does not hold each weight, such as of networks that share weights."""
+    from normalgan.weights.file import parse_weights
+
+    try:
+        parse_weights(content, str(target), is_onnx=True)
+    except InputError:
+        warnings.warn(
+            f"generate, studio and ONNX Runtime run {printable(target)}, but predict, test and StartFrom "
+            "cannot read it, because its graph does not keep all weights; export .safetensors for them.",
+            stacklevel=2,
+        )
 
 
 def _check(options: Namespace) -> Path:

@@ -20,21 +20,14 @@ class StageMetrics(nn.Module):
         stage: first part of each metric's name.
         rows: names of the rows; metrics are named ``<stage>/<row>/<figure>``.
         only: metrics to use instead of the built-in ones; None for the built-in ones.
-        with_presence: whether to add mask IoU and coverage to the built-in metrics.
 
     Raises:
         InputError: if two of these metrics have the same name.
     """
 
-    def __init__(
-        self,
-        stage: str,
-        rows: Sequence[str],
-        only: Sequence[MapMetric] | None = None,
-        with_presence: bool = False,
-    ) -> None:
+    def __init__(self, stage: str, rows: Sequence[str], only: Sequence[MapMetric] | None = None) -> None:
         super().__init__()
-        more: list[list[MapMetric]] = [[MaskIoU()], [Coverage()]] if with_presence else []
+        more: list[list[MapMetric]] = [[MaskIoU()], [Coverage()]]
         self.stage = stage
         self.rows = nn.ModuleDict(
             {
@@ -48,6 +41,10 @@ class StageMetrics(nn.Module):
                 for row in rows
             }
         )
+
+    def names(self) -> list[str]:
+        """Return the names of all metrics."""
+        return [str(name) for row in self.rows.values() for name in cast(MetricCollection, row)]
 
     def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
         """Update the metrics of a row with a batch.

@@ -6,6 +6,7 @@ import yaml
 from command import CONF, Bench, left_in, run
 from lightning.pytorch.tuner.tuning import Tuner
 
+from normalgan.cli.training.trainer import refused_by_lightning
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
@@ -181,6 +182,15 @@ def test_plain_ddp_is_refused_before_any_process_starts(
     outcome.refused("(ddp)" if not strategy else "is ddp,", "--config ddp", "ddp_find_unused_parameters_true")
 
 
+@pytest.mark.filterwarnings("ignore:.*was trained with other settings.*")
+def test_a_measurement_of_nothing_is_refused(bench: Bench, tmp_path: Path) -> None:
+    for command, setting in (("validate", "limit_val_batches"), ("test", "limit_test_batches")):
+        given = (f"--trainer.{setting}", 0, "--ckpt_path", "shipped", "--data.size", 256)
+        outcome = bench.run(command, tmp_path / "run", *given)
+        assert outcome.code == 2
+        assert f"trainer.{setting} is 0, so {command} would measure nothing" in outcome.err
+
+
 @pytest.mark.skipif(importlib.util.find_spec("wandb") is not None, reason="wandb is installed")
 def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")
@@ -191,3 +201,22 @@ def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, t
 def test_the_tuner_of_lightning_is_refused(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="LearningRateFinder cannot be used"):
         Tuner(trainer(tmp_path)).lr_find(gan(), data(meshes, cache))
+
+
+@pytest.mark.slow
+def test_a_setting_that_lightning_refuses_while_it_runs_is_an_error_in_the_settings(
+    bench: Bench, tmp_path: Path
+) -> None:
+    # It raises plain ValueErrors and RuntimeErrors, which used to be reported as bugs, with exit code 1.
+    for number, given in enumerate(
+        [
+            ("--trainer.val_check_interval", 200),
+            ("--trainer.callbacks", "EarlyStopping", "--trainer.callbacks.monitor", "val/own"),
+        ]
+    ):
+        outcome = bench.run("fit", tmp_path / str(number), *given)
+        outcome.refused("a setting cannot be used: ", str(given[-1]))
+    bug = RuntimeError("of a plug-in")
+    with pytest.raises(RuntimeError) as raised:
+        raise bug
+    assert not refused_by_lightning(raised.value)

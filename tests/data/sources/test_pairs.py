@@ -402,12 +402,13 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
     spoil(tmp_path)
     splits = '{"train": ["a0", "a1"], "val": ["a2"], "test": ["a3"]}'
     (tmp_path / "split.json").write_text(splits)
-    module = data(tmp_path, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")), hints=True)
+    hints = spoil is give_a_hint_off_the_object
+    module = data(tmp_path, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")), hints=hints)
     with pytest.warns(UserWarning, match=f"(the pair a1|1 file) is left out: .*{sentence}"):
         module.prepare_data()
     assert {module.train_dataset[i]["name"] for i in range(len(module.train_dataset))} == {"a0/0"}
     (tmp_path / "split.json").write_text(splits.replace('["a0", "a1"]', '["a1"]').replace('"a2"', '"a0"'))
-    alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=True)
+    alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=hints)
     with (
         pytest.warns(UserWarning, match=re.escape("does not name")),
         pytest.raises(InputError, match=f"(?s)the only pair for train .*: .*{sentence}"),
@@ -473,6 +474,38 @@ def test_folders_of_pix2pix_are_read_as_they_are(tmp_path: Path, layout: str) ->
     assert pair.sketch.shape == other.sketch.shape == (SIZE, SIZE)
 
 
+@pytest.mark.parametrize("layout", ["sketch and normal", "beside", "trainA and trainB"])
+def test_folders_of_splits_hold_pairs_of_any_layout(tmp_path: Path, layout: str) -> None:
+    for number, part in enumerate(SPLITS):
+        sketch, normal = {
+            "sketch and normal": (f"{part}/sketch/{number}.png", f"{part}/normal/{number}.png"),
+            "beside": (f"{part}/{number}.png", f"{part}/{number}_normal.png"),
+            "trainA and trainB": (f"{part}A/{number}.png", f"{part}B/{number}.png"),
+        }[layout]
+        write_pair(tmp_path / sketch, tmp_path / normal, number)
+    module = data(tmp_path, tmp_path / "cache")
+    assert names(module) == {part: [f"{part}/{number}"] for number, part in enumerate(SPLITS)}
+    np.testing.assert_allclose(module.sources["val"][0].load().normal, exact(1).normal, atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ("gone", "there is no file or folder .*gone; a pair is a.png"),
+        ("A", r"no sketch is at .*A; a pair .*; name the folder that holds A and B, [^*]*\.$"),
+    ],
+)
+def test_a_message_about_a_folder_names_what_works(tmp_path: Path, entry: str, sentence: str) -> None:
+    write_pair(tmp_path / "A" / "train" / "0.png", tmp_path / "B" / "train" / "0.png", 0)
+    with pytest.raises(InputError, match=sentence):
+        Pairs(str(tmp_path / entry)).found()
+
+
+def test_hints_that_no_pair_has_are_not_used_in_silence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"hints of Pairs is true, but no pair has hints.* add them, or set"):
+        Pairs(str(write_pairs(tmp_path, 3)), hints=True).found()
+
+
 def write_double(path: Path, number: int, flipped: bool = False, columns: int = 2 * SIZE) -> None:
     """Write a sketch and its normal map side by side into one picture."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -496,6 +529,28 @@ def test_the_other_direction_of_pix2pix_is_named_and_can_be_set(tmp_path: Path, 
         wrong.load()
     np.testing.assert_allclose(right.load().normal, exact(0).normal, atol=0.03)
     assert wrong.fingerprint() != right.fingerprint()
+
+
+@pytest.mark.parametrize("layout", ["AB", "BA", "A and B"])
+@pytest.mark.parametrize("ending", ["jpg", "webp"])
+def test_a_lossy_normal_map_has_the_object_of_the_lossless_one(
+    tmp_path: Path, layout: str, ending: str
+) -> None:
+    # JPEG changes the colour of the background around each line, and over the seam of the two halves.
+    path = tmp_path / "lossy" / f"a_normal.{ending}"
+    write_pair(path.with_name("a.png"), tmp_path / "exact.png", 1, size=256)
+    halves = [Image.open(each).convert("RGB") for each in (path.with_name("a.png"), tmp_path / "exact.png")]
+    if layout == "A and B":
+        halves[1].save(path, quality=75)
+    else:
+        both = np.hstack([np.asarray(half) for half in (halves[::-1] if layout == "BA" else halves)])
+        (tmp_path / "double" / "AB").mkdir(parents=True)
+        Image.fromarray(both).save(tmp_path / "double" / "AB" / f"a.{ending}", quality=75)
+    folder = path.parent if layout == "A and B" else tmp_path / "double"
+    (pair,) = Pairs(str(folder), direction="BtoA" if layout == "BA" else "AtoB").found()
+    truth = np.abs(ellipsoid(1, 256)[1]).sum(-1) > 0
+    mask = pair.load().mask
+    assert (mask & truth).sum() / (mask | truth).sum() > 0.95
 
 
 def test_side_by_side_pictures_of_other_shapes_are_halved_or_named(tmp_path: Path) -> None:

@@ -44,6 +44,8 @@ def explain(
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
+    >>> explain('Parser key "report.metrics":\n  Expected a <class \'list\'>. Got value: ShareBelow', {})
+    'argument "report.metrics": expected a list, not ShareBelow. A list of one is \'[ShareBelow]\'.'
     >>> explain('Parser key "size":\n  Not of type Side: 4 does not conform to restriction v>=8 and v<=9', {})
     'argument "size": 4 is out of range; it must be >= 8 and <= 9.'
     >>> explain('Parser key "data.split": Unable to load config "x.yaml"', {}, ["data.split.file"])
@@ -212,7 +214,12 @@ def _wrong_type(message: str, null: bool) -> str:
     )
     if not null:
         wanted.pop("null", None)
-    return f"expected {' or '.join(wanted)}, not {_given(message)}." if wanted else ""
+    if not wanted:
+        return ""
+    given = _given(message)
+    single = "a list" in wanted and re.fullmatch(r"[\w.]+", given)
+    advice = f" A list of one is '[{given}]'." if single else ""
+    return f"expected {' or '.join(wanted)}, not {given}.{advice}"
 
 
 def _plain(text: str) -> str:

@@ -59,10 +59,12 @@ from normalgan.cli.training.slurm import check_left_behind, requeued_on_signal, 
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
+    check_measures,
     check_strategy,
     check_trainer,
     check_trains,
     keep_earlier_logs,
+    refused_by_lightning,
 )
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import CommandExit, InputError, brief, printable, tell
@@ -223,6 +225,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        check_measures(config["trainer"], command)
         check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
@@ -324,6 +327,11 @@ def run(arguments: list[str]) -> int:
             command.run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
+        except (ValueError, RuntimeError) as error:
+            if isinstance(error, InputError) or not refused_by_lightning(error):
+                raise
+            reason = shorten(brief(error), 250, placeholder=" …")
+            raise InputError(f"a setting cannot be used: {reason}") from error
         except SIGTERMException:
             return 128 + signal.SIGTERM
         except CommandExit as stop:

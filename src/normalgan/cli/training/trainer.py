@@ -1,5 +1,7 @@
 """The trainer of the training commands: Lightning's Trainer with `render`, and checks of its settings."""
 
+import linecache
+import traceback
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,7 @@ from lightning.pytorch.loggers import CSVLogger
 from lightning.pytorch.strategies import DDPStrategy
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError
+from normalgan.errors import InputError, third_party_place
 from normalgan.gan import NormalGAN
 
 _INSTEAD = {
@@ -24,6 +26,8 @@ _INSTEAD = {
 """Trainer settings that have no effect under manual optimisation, and what to use instead."""
 _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
 """Trainer settings that limit the duration of training."""
+_MEASURED = {"validate": "limit_val_batches", "test": "limit_test_batches"}
+"""Trainer setting that limits the number of batches that a command measures."""
 _PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
 """Names of strategies that do not look for parameters unused in a step."""
 _OF_A_COMMAND = ("ckpt_path", "weights_only")
@@ -71,6 +75,17 @@ def check_trains(settings: Mapping[str, Any]) -> None:
             )
 
 
+def check_measures(settings: Mapping[str, Any], command: str) -> None:
+    """Check that ``validate`` and ``test`` measure at all; otherwise they would end without a figure.
+
+    Raises:
+        InputError: if a setting leaves no batch to measure.
+    """
+    name = _MEASURED.get(command)
+    if name is not None and settings[name] == 0:
+        raise InputError(f"trainer.{name} is 0, so {command} would measure nothing; increase or omit it.")
+
+
 def check_strategy(trainer: Trainer, given: object) -> None:
     """Check that two networks are not trained with plain DDP, Lightning's default for several devices.
 
@@ -88,6 +103,18 @@ def check_strategy(trainer: Trainer, given: object) -> None:
             "leaves one of them untouched; add --config ddp, or pass --trainer.strategy "
             "ddp_find_unused_parameters_true."
         )
+
+
+def refused_by_lightning(error: Exception) -> bool:
+    """Return whether a statement of Lightning raised an error, which it does about its settings.
+
+    Errors that PyTorch raises within a call from Lightning, or that our classes and plug-ins raise, are not.
+    """
+    frames = list(traceback.walk_tb(error.__traceback__))
+    frame, line = frames[-1]
+    of_lightning = str(frame.f_globals.get("__name__")).startswith("lightning.")
+    stated = linecache.getline(frame.f_code.co_filename, line).lstrip().startswith("raise ")
+    return of_lightning and stated and third_party_place(error) is None
 
 
 def keep_earlier_logs(settings: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ import json
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from glob import glob
+from glob import glob, has_magic
 from os.path import commonpath
 from pathlib import Path
 from typing import Literal
@@ -49,8 +49,8 @@ Reason = str
 """Why a file, or a line of a CSV, is left out; a sentence without its full stop."""
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
-    "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
-    "val and test below these"
+    "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; splits are folders train, "
+    "val and test, below these or around them"
 )
 """Description of the supported layouts on disk, for messages."""
 
@@ -127,19 +127,23 @@ class PairFiles:
         picture: AnyPicture = self.sketch
         subject = str(self.normal)
         vectors, alpha = read_normals(self.normal, self.green)
+        lossy = self.mask is None and _is_lossy(self.normal)
         if self.sketch == self.normal:  # side by side
             middle = vectors.shape[1] // 2
             left, right = np.s_[:, :middle], np.s_[:, middle:]
             of_sketch, of_normal = (left, right) if self.direction == "AtoB" else (right, left)
             picture = read_pixels(self.sketch).pixels[of_sketch]
             vectors, alpha = vectors[of_normal], None if alpha is None else alpha[of_normal]
+            if lossy:  # its colours bleed over the seam, by the one pixel to which they are enlarged
+                edge, inner = (0, 1) if self.direction == "AtoB" else (-1, -2)
+                vectors[:, edge] = vectors[:, inner]
             subject = f"the {'right' if self.direction == 'AtoB' else 'left'} half of {self.normal}"
         sketch = as_picture(picture)
         hints = None if self.hints is None else load_hints(self.hints, sketch.shape)
         if hints is not None and self.hints is not None and self.hints.suffix.lower() == ".png":
             hints = replace(hints, normals=flip_green(hints.normals)) if self.green == "down" else hints
         try:
-            return Pair(sketch, vectors, self.mask or _object(vectors, alpha), hints)
+            return Pair(sketch, vectors, self.mask or _object(vectors, alpha, lossy), hints)
         except InputError as error:
             raise with_subject(subject, error) from error
 
@@ -155,8 +159,10 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         InputError: if there is no sketch, or a CSV is invalid.
     """
     path = Path(entry)
+    if not path.exists() and not has_magic(entry):
+        raise InputError(f"there is no file or folder {entry}; {LAYOUTS}.")
     if path.is_dir():
-        known = list(_pix2pix(path, direction))
+        known = list(_pix2pix(path, direction)) or list(_in_split_folders(path, direction))
         yield from known
         if any(isinstance(each, PairFiles) for each in known):
             return
@@ -179,8 +185,11 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:
         kind = "an empty folder" if path.is_dir() and not any(path.iterdir()) else "no sketch"
-        below = path.is_dir() and any(is_drawing(each) for each in path.glob("*/*"))
+        inside = (each for each in path.glob("**/*") if is_drawing(each)) if path.is_dir() else ()
+        below = any(_partner(each, "normal") for each in inside)
         more = f"; those in folders below it are named by a glob, '{entry}/**/*.png'" if below else ""
+        if path.name in {"A", "B"} and path.is_dir():
+            more = f"; name the folder that holds A and B, {path.parent}"
         raise InputError(f"{kind} is at {entry}; {LAYOUTS}{more}.")
     for sketch in sketches:
         normal = _partner(sketch, "normal")
@@ -194,8 +203,9 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
 def _pix2pix(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
     """Yield the pairs of a pix2pix folder: ``A`` and ``B``, or side-by-side pictures in ``AB``.
 
-    The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, if a picture in
-    one of them is twice as wide as high, all of them are read as side-by-side pairs.
+    The subfolders ``train``, ``val`` and ``test`` are the splits. ``trainA`` and ``trainB`` are read too.
+    Without a folder ``AB``, if a picture in one of the splits is twice as wide as high, all of them are read
+    as side-by-side pairs.
     """
     sketches, normals = (root / name for name in ("AB" if direction == "AtoB" else "BA"))
     both = root / "AB"
@@ -208,6 +218,24 @@ def _pix2pix(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
             yield from _same_stems(sketches / below, normals / below, part)
         elif not sketches.is_dir() and ((both / below).is_dir() or (part and bare)):
             yield from _side_by_side(both / below if both.is_dir() else root / below, part, direction)
+        letters = "AB" if direction == "AtoB" else "BA"
+        first, second = (root / f"{part}{letter}" for letter in letters)
+        if part and first.is_dir() and second.is_dir():
+            yield from _same_stems(first, second, part)
+
+
+def _in_split_folders(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
+    """Yield the pairs of folders ``train``, ``val`` and ``test``, each of which has another layout inside."""
+    if _subfolder(root, "sketch") or any(map(is_drawing, root.iterdir())):
+        return
+    for part in SPLITS:
+        if not (root / part).is_dir() or not any((root / part).iterdir()):
+            continue
+        for found in find_pairs(str(root / part), direction):
+            if isinstance(found, PairFiles):
+                yield replace(found, name=f"{part}/{found.name}", part=part)
+            else:
+                yield found
 
 
 def _same_stems(sketches: Path, normals: Path, part: str | None) -> Iterator[PairFiles | Reason]:
@@ -365,9 +393,16 @@ def _listed(folder: Path, where: str, row: dict[str, str]) -> PairFiles | Reason
     return PairFiles(name, sketch, normal, mask, hints, group=row.get("group", ""), part=part)
 
 
-def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:
+def _is_lossy(path: Path) -> bool:
+    """Return whether a picture was compressed with loss, as a JPEG or a lossy WebP."""
+    with path.open("rb") as file:
+        start = file.read(16)
+    return start.startswith(b"\xff\xd8") or start[8:] == b"WEBPVP8 "
+
+
+def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None, lossy: bool) -> BoolMask:
     """Return the object of a normal map without a mask: the opaque part, or all but the background."""
-    found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
+    found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors, lossy)
     found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")

@@ -26,8 +26,8 @@ class Pairs(PairSource):
 
     Args:
         files: folder, glob of sketches, CSV, or a list of these. pix2pix folders are supported (``A`` and
-            ``B``, or side-by-side pictures in ``AB/train``). The normal map of ``a.png`` is
-            ``a_normal.png`` in the same folder, or is in a folder ``normal`` next to its folder
+            ``B``, or side-by-side pictures in ``AB/train``), and so are folders of splits. The normal map of
+            ``a.png`` is ``a_normal.png`` in the same folder, or is in a folder ``normal`` next to its folder
             ``sketch``. The same holds for masks and hints.
         green: direction of the normal maps' green channel: up as in OpenGL, down as in DirectX.
         hints: whether to use the pairs' own hints instead of a sampler's; pairs without hints get none.
@@ -113,6 +113,12 @@ class Pairs(PairSource):
             raise InputError(f"{left_out[0]}{'' if listed else f'; {LAYOUTS}'}.")
         if not pairs:
             raise InputError("Pairs was given no files; name a folder, a glob of sketches, or a CSV.")
+        if self.hints and not any(pair.hints for pair in pairs):
+            raise InputError(
+                "hints of Pairs is true, but no pair has hints, which are a_hints.png or a_hints.json beside "
+                "a.png, files in a folder hints next to sketch, or a column of a CSV; add them, or set it to "
+                "false, to train with those of a sampler."
+            )
         twice = [name for name, count in Counter(pair.name for pair in pairs).items() if count > 1]
         if twice:
             of_name = [str(pair.sketch) for pair in pairs if pair.name == twice[0]]
