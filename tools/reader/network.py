@@ -86,7 +86,7 @@ class Reader(nn.Module):
         nn.init.zeros_(self.gate.weight)
         assert self.gate.bias is not None
         nn.init.zeros_(self.gate.bias)
-        # The same as a convolution, as the stride is 1. With so few outputs, ONNX Runtime is much faster at it.
+        # With a stride of 1 this is a convolution. For two outputs, ONNX Runtime is much faster at it.
         self.last = nn.ConvTranspose2d(12 + 8, 2, 3, padding=1)
         self.ways = nn.Conv2d(WIDTHS[0], 2, 1)
 
