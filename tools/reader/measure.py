@@ -4,8 +4,9 @@ measure.py [FOLDER…] [--pages VIEWS] [--holes] [--doodles] [--sheet OUT.png]
 
 The mask of a drawing NAME.png in a FOLDER is compared with NAME_mask.png, if it exists. It is also compared
 when grown by 3 pixels, because masks drawn by hand lie a little outside the lines. --pages takes meshes and
-clip art that the reader was not trained on. It makes eight pages of each kind from the meshes, takes the clip
-art in its colours and as lines alone, and counts how often opaque objects and opaque lines are told apart.
+clip art that the reader was not trained on. It makes eight pages of each kind and eight crops of each size
+from the meshes, takes the clip art in its colours and as lines alone, and counts how often opaque objects and
+opaque lines are told apart.
 --holes draws twenty things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a
 figure. --doodles draws doodles.svg, straight and by hand.
 """
@@ -17,10 +18,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from crops import SIZES, crop
 from doodles import HANDS, doodles
 from grounds import plane
 from numpy.typing import NDArray
-from pages import KINDS, page
+from pages import KINDS, Page, page
 from shapes import Shape, Views, darkness
 from things import drawings
 
@@ -86,16 +88,25 @@ def measure_pages(views: Path, measured: Measured) -> None:
     shapes = [shape for shape in shapes if shape.paint is None]
     means = []
     for kind in KINDS:
-        rng, scores = np.random.default_rng(11), []
-        for _ in range(PAGES):
-            made = page(rng, shapes, PAGE, kind)
-            colour = np.ascontiguousarray(made.picture[..., ::-1]).astype(np.float32) / np.float32(255)
-            masks = measured.masks(Picture(colour, None))
-            scores.append([iou(mask, made.presence > 0.5) for mask in masks.values()])
-        means.append(np.mean(scores, 0))
+        rng = np.random.default_rng(11)
+        made = [page(rng, shapes, PAGE, kind) for _ in range(PAGES)]
+        means.append(np.mean([_scores(each, measured) for each in made], 0))
         _say_row(kind, means[-1])
     _say_row("mean", np.mean(means, 0))
+    means = []
+    for height, width in dict.fromkeys(size for size, _ in SIZES):
+        rng = np.random.default_rng(12)
+        crops = [crop(rng, shapes, (height, width)) for _ in range(PAGES)]
+        means.append(np.mean([_scores(each, measured) for each in crops], 0))
+        _say_row(f"crop {width} x {height}", means[-1])
+    _say_row("mean of crops", np.mean(means, 0))
     measure_opacity(shapes)
+
+
+def _scores(made: Page, measured: Measured) -> list[float]:
+    """Return the IoU on a page with each source."""
+    colour = np.ascontiguousarray(made.picture[..., ::-1]).astype(np.float32) / np.float32(255)
+    return [iou(mask, made.presence > 0.5) for mask in measured.masks(Picture(colour, None)).values()]
 
 
 def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> None:

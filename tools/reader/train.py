@@ -17,6 +17,8 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
+from crops import SIZES as CROPS
+from crops import crop
 from network import Reader
 from numpy.typing import NDArray
 from pages import KINDS, Page, page
@@ -29,6 +31,8 @@ SIZES = (
     ((256, 256), 8), ((256, 192), 10), ((384, 384), 4), ((384, 384), 4), ((384, 288), 5), ((288, 384), 5),
     ((384, 224), 6), ((224, 384), 6),
 )  # fmt: skip
+CROPPED = 0.4
+"""Share of the batches whose pages are cut to their drawing."""
 RATE = 1.2e-3
 Batch = tuple[Tensor, ...]
 """Pictures, ink, presence, offsets, weights of the presence, weights of the ink."""
@@ -54,8 +58,9 @@ class Pages(IterableDataset[Batch]):
                 pierced = views.pierced * (len(views.shapes) // (8 * max(len(views.pierced), 1)))
                 shapes = views.shapes + pierced
                 print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
-            size, pages = SIZES[rng.integers(len(SIZES))]
-            yield batch([page(rng, shapes, size) for _ in range(pages)])
+            make, sizes = (crop, CROPS) if rng.random() < CROPPED else (page, SIZES)
+            size, pages = sizes[rng.integers(len(sizes))]
+            yield batch([make(rng, shapes, size) for _ in range(pages)])
 
 
 def batch(pages: Sequence[Page]) -> Batch:
