@@ -64,6 +64,7 @@ def test_sigusr1_stops_between_batches_and_requeues_the_job(
         sanity_checking=False,
         fast_dev_run=False,
         is_global_zero=True,
+        validating=False,
         default_root_dir=str(tmp_path),
         save_checkpoint=saved.append,
     )

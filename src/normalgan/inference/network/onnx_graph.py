@@ -14,6 +14,7 @@ MOST_NODES = 20_000
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 _DOMAINS = (b"", b"ai.onnx")
 _FOLDED = {"Constant", "Cast", "Identity", "Reshape", "Transpose", "Squeeze", "Unsqueeze"}
+_FOLDED |= {"Slice", "DepthToSpace"}  # of the weights of convolutions of patches
 """Operators whose output is never larger than their input."""
 
 
