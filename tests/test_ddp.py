@@ -74,7 +74,7 @@ def test_two_processes_measure_what_one_does(
     run = trainer(tmp_path, callbacks=[TestReport()])
     measure = run.validate if stage == "val" else run.test
     (alone,) = measure(network, module, verbose=False)
-    assert len(alone) == (22 if stage == "val" else 65)
+    assert len(alone) == (26 if stage == "val" else 65)
     assert ranks[0][stage] == ranks[1][stage]
     assert ranks[0][stage] == pytest.approx(alone, abs=1e-4)
 

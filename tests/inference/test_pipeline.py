@@ -105,8 +105,7 @@ def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
     colour = picture.colour.copy()
     colour[160:220, 260:340] = 0
     seen, without = (
-        prepare(Picture(each, None), 128, line_widths=(0.5, 5.0), clean_strokes=True)
-        for each in (colour, picture.colour)
+        prepare(Picture(each, None), 128, line_widths=(0.5, 5.0)) for each in (colour, picture.colour)
     )
     changed = np.abs(seen.model_input - without.model_input) > 0.3
     rows, columns = np.nonzero(changed)
