@@ -21,7 +21,7 @@ RINGS = {
         {"metrics", "models", "rendering"},
         {"hints", "losses", "animals"},
         {"weights", "optimizers"},
-        {"evaluation", "saved_settings"},
+        {"evaluation", "manual_optimization", "saved_settings"},
         {"gan"},
     ),
     "using a model": ({"inference"},),

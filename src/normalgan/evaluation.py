@@ -1,6 +1,6 @@
 """EvaluationSteps: prediction, validation and testing of a generator."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import torch
@@ -8,6 +8,7 @@ from lightning.pytorch import LightningModule
 from torch import Tensor, nn
 
 from normalgan.batch import Batch, Sketches
+from normalgan.errors import InputError, did_you_mean
 from normalgan.hints import ErrorHintSampler, HintSampler
 from normalgan.hints.draw import draw_hints_by_name
 from normalgan.metrics import StageMetrics, angular_error, without_hints
@@ -33,9 +34,15 @@ class EvaluationSteps(LightningModule):
     noise_at_test: bool
 
     def make_metrics(self, stage: str) -> None:
-        """Create the metrics of a stage."""
+        """Create the metrics of a stage.
+
+        Raises:
+            InputError: if a callback of a training run monitors a metric that validation does not log.
+        """
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
+            if stage == "fit":
+                _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.names())
         elif stage == "test":
             self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
 
@@ -171,3 +178,22 @@ class EvaluationSteps(LightningModule):
             for module in self.generator.modules():
                 if isinstance(module, nn.Dropout):
                     module.train()
+
+
+def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
+    """Check that the metrics by which callbacks stop or save are those that validation logs.
+
+    Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
+
+    Raises:
+        InputError: if a name is unknown; otherwise Lightning finds it only after the first epoch.
+    """
+    rows = tuple(dict.fromkeys(name.rpartition("/")[0] + "/" for name in known))
+    figures = dict.fromkeys(name.rpartition("/")[2] for name in known)
+    for callback in callbacks:
+        name = getattr(callback, "monitor", None)
+        if isinstance(name, str) and name.startswith(rows) and name not in known:
+            raise InputError(
+                f"{type(callback).__name__} monitors {name}, which validation does not log."
+                f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
+            )

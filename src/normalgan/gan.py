@@ -1,22 +1,18 @@
 """NormalGAN: the LightningModule of generator and discriminator, with manual optimisation."""
 
-import math
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Annotated, cast
 
 import torch
-from lightning.pytorch.callbacks import LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
-from lightning.pytorch.core.optimizer import LightningOptimizer
-from torch import Tensor, nn
+from torch import Tensor
 from torch.optim import Optimizer, RMSprop
-from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler, OneCycleLR, ReduceLROnPlateau
+from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.batch import Batch
-from normalgan.contracts import check_kinds, describe
-from normalgan.errors import InputError, brief, did_you_mean
+from normalgan.contracts import check_kinds
 from normalgan.evaluation import EvaluationSteps
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
@@ -28,6 +24,7 @@ from normalgan.losses.checks import check_losses, check_terms
 from normalgan.losses.distractor_consistency import distractor_inconsistency, with_distractor_strokes
 from normalgan.losses.finite import start_finite_check
 from normalgan.losses.gradient_share import gradient_share
+from normalgan.manual_optimization import ManualOptimization, check_optimizer
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_predictions, check_scores
 from normalgan.models.compilation import check_compile, compiled_predict
@@ -41,15 +38,12 @@ from normalgan.seeds import derive_seed, seed_torch
 ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
-_MONITOR = "val/hints/angular_mean"
-"""Metric that a schedule follows if no checkpoint callback names one."""
-
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-class NormalGAN(SavedSettings, EvaluationSteps):
+class NormalGAN(SavedSettings, EvaluationSteps, ManualOptimization):
     """Predicts a normal map from a sketch and hints, and trains against a discriminator.
 
     Each training step seeds all of its randomness (dropout, hints, gradient penalty) with its own number, so
@@ -125,8 +119,8 @@ class NormalGAN(SavedSettings, EvaluationSteps):
             "reconstruction": (reconstruction, Reconstruction),
         }
         check_kinds(kinds, optional=["discriminator"])
-        _check_optimizer("generator_optimizer", generator_optimizer)
-        _check_optimizer("discriminator_optimizer", discriminator_optimizer)
+        check_optimizer("generator_optimizer", generator_optimizer)
+        check_optimizer("discriminator_optimizer", discriminator_optimizer)
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():
@@ -155,38 +149,14 @@ class NormalGAN(SavedSettings, EvaluationSteps):
         self.line_widths = check_line_widths(line_widths)
         self.compile_generator = check_compile(compile)
         self._generate: Callable[[Tensor], Predictions] | None = None  # compiled, while a run trains
-        self._validated: int | None = None  # the last epoch that was validated
         check_ranges(self)
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage, and compile the generator if the settings ask for it."""
-        self._generate = None
-        if stage == "fit":
-            _check_callbacks(getattr(self.trainer, "callbacks", []))
-            if self.compile_generator:
-                self._generate = compiled_predict(self.generator, self.compile_generator)
-            # With max_steps, Lightning mistakes a checkpoint for one saved within an epoch, and ends that
-            # epoch a second time; so it has none until `on_train_start`, when the checkpoint has been read:
-            # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
-            loop = self.trainer.fit_loop.epoch_loop
-            self._max_steps, loop.max_steps = loop.max_steps, -1
+        super().setup(stage)
+        compiles = stage == "fit" and self.compile_generator
+        self._generate = compiled_predict(self.generator, self.compile_generator) if compiles else None
         self.make_metrics(stage)
-        if stage == "fit":
-            _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.names())
-
-    def on_train_start(self) -> None:
-        """Restore ``max_steps``, and end a cosine schedule with the run, also if it is resumed for longer.
-
-        Raises:
-            InputError: if a one-cycle schedule has another length than the run.
-        """
-        self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps
-        epochs = self.trainer.max_epochs
-        for config in self.trainer.lr_scheduler_configs:
-            if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
-                _end_cosine_at(config.scheduler, epochs)
-            if isinstance(config.scheduler, OneCycleLR) and epochs is not None and epochs > 0:
-                _check_one_cycle(config.scheduler, epochs)
 
     def teardown(self, stage: str) -> None:
         """Drop the compiled function, which cannot be copied or pickled."""
@@ -332,140 +302,18 @@ class NormalGAN(SavedSettings, EvaluationSteps):
         )
         self.log(f"{ADVERSARIAL_SHARE}_output", gradient_share(adversarial, reconstruction, [direction]))
 
-    def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
-        """Clip the generator's gradient, after mixed precision has unscaled it."""
-        if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
-            nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
-
     def on_validation_start(self) -> None:
         """Average batch norm's statistics over all processes, so that they validate the same network."""
         self._average_statistics()
 
+    def on_train_epoch_end(self) -> None:
+        """Average the statistics for the checkpoint of an epoch without validation; step the schedules."""
+        self._average_statistics()
+        super().on_train_epoch_end()
+
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
             average_statistics(self, partial(self.trainer.strategy.reduce, reduce_op="mean"))
-
-    def on_train_epoch_end(self) -> None:
-        """Step the learning rate schedules, which Lightning does not do in manual optimisation."""
-        self._average_statistics()  # for the checkpoint of an epoch without validation
-        if not self.trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
-            return  # max_steps or max_time stopped the run within the epoch; the rates change at its end
-        schedulers = self.lr_schedulers()
-        for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
-            if isinstance(scheduler, ReduceLROnPlateau):
-                if self._validated == self.current_epoch:
-                    scheduler.step(self._monitored())
-            elif scheduler is not None:
-                scheduler.step()
-
-    def on_validation_end(self) -> None:
-        """Note the epoch, whose error a schedule may follow."""
-        if not self.trainer.sanity_checking:
-            self._validated = self.current_epoch
-
-    def _monitored(self) -> Tensor:
-        """Return the metric by which the best checkpoint is chosen, of the last validation."""
-        monitors = [getattr(each, "monitor", None) for each in self.trainer.checkpoint_callbacks]
-        name = next((each for each in monitors if each), _MONITOR)
-        if name not in self.trainer.callback_metrics:
-            raise InputError(
-                f"ReduceLROnPlateau follows the monitor of checkpoints, {name}, which was not logged."
-            )
-        return self.trainer.callback_metrics[name]
-
-    def configure_optimizers(self) -> tuple[list[Optimizer], list[LRScheduler]]:
-        """Return the optimisers of the generator and of the discriminator, in this order."""
-        optimizers = [_optimizer(self.generator_optimizer, self.generator, "generator_optimizer")]
-        if self.discriminator is not None:
-            name = "discriminator_optimizer"
-            optimizers.append(_optimizer(self.discriminator_optimizer, self.discriminator, name))
-        try:
-            return optimizers, [self.lr_scheduler(o) for o in optimizers] if self.lr_scheduler else []
-        except ValueError as error:  # such as a negative factor, which is found only here
-            raise InputError(f"lr_scheduler cannot be used: {brief(error)}.") from error
-
-    def _optimizers(self) -> list[LightningOptimizer]:
-        optimizers = self.optimizers()
-        return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
-
-
-def _check_optimizer(name: str, optimizer: object) -> None:
-    if not callable(optimizer):
-        raise InputError(
-            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
-            f"not be {describe(optimizer)}."
-        )
-
-
-def _check_callbacks(callbacks: Iterable[object]) -> None:
-    """Refuse callbacks that work only if Lightning steps the optimisers.
-
-    Raises:
-        InputError: if there is such a callback.
-    """
-    for callback in callbacks:
-        if isinstance(callback, LearningRateFinder):
-            raise InputError(
-                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates with a sweep."
-            )
-
-
-def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
-    """Check that the metrics by which callbacks stop or save are those that validation logs.
-
-    Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
-
-    Raises:
-        InputError: if a name is unknown; otherwise Lightning finds it only after the first epoch.
-    """
-    rows = tuple(dict.fromkeys(name.rpartition("/")[0] + "/" for name in known))
-    figures = dict.fromkeys(name.rpartition("/")[2] for name in known)
-    for callback in callbacks:
-        name = getattr(callback, "monitor", None)
-        if isinstance(name, str) and name.startswith(rows) and name not in known:
-            raise InputError(
-                f"{type(callback).__name__} monitors {name}, which validation does not log."
-                f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
-            )
-
-
-def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
-    try:
-        return make(network.parameters())
-    except ValueError as error:  # such as a negative learning rate, which is found only here
-        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
-
-
-def _check_one_cycle(schedule: OneCycleLR, epochs: int) -> None:
-    """Check that a one-cycle schedule ends with the run; a longer run would fail, a shorter one end too high.
-
-    Raises:
-        InputError: if its length is not the number of epochs.
-    """
-    if schedule.total_steps != epochs:
-        raise InputError(
-            f"OneCycleLR has {schedule.total_steps} steps, one for each epoch, but the run has {epochs} "
-            f"epochs; set total_steps of model.lr_scheduler to {epochs}. A resumed run keeps its schedule: "
-            "start another run from its weights, by the callback StartFrom."
-        )
-
-
-def _end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
-    """Change the length of a cosine schedule, and update the learning rate of the current epoch.
-
-    PyTorch derives each rate from the previous one, so a schedule that has reached 0 would stay there.
-
-    Args:
-        schedule: schedule that is stepped once per epoch; unchanged if it already has this length.
-        epochs: number of epochs until the lowest rate.
-    """
-    if schedule.T_max == epochs:
-        return
-    schedule.T_max = epochs
-    share = (1 + math.cos(math.pi * schedule.last_epoch / epochs)) / 2
-    for group, rate in zip(schedule.optimizer.param_groups, schedule.base_lrs, strict=True):
-        group["lr"] = schedule.eta_min + (rate - schedule.eta_min) * share
 
 
 def _weighted(terms: dict[str, Term]) -> Tensor:
