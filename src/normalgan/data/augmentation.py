@@ -15,13 +15,13 @@ from normalgan.contracts import class_name, describe, refused
 from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
 from normalgan.losses.distractor_consistency import add_distractor_strokes
-from normalgan.ranges import NonNegative, Range, Share, check_ranges
+from normalgan.ranges import NonNegative, Range, RangeChecked, Share
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 from normalgan.vectors import unit_vectors, unit_vectors_within
 
 
-class BatchAugmentation(ABC):
+class BatchAugmentation(RangeChecked, ABC):
     """Base class of augmentations: random changes of training batches, on the batch's device.
 
     An augmentation is a frozen dataclass of plain settings. If it moves pixels, it must move those of
@@ -254,9 +254,6 @@ class Augmentation(BatchAugmentation):
     fills: Share = 0.0
     decals: Share = 0.0
     hatching: Share = 0.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; equal for equal seeds.

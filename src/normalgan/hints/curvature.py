@@ -10,7 +10,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.normal_curvature import Estimator, curvature_map
-from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
+from normalgan.ranges import Count, NonNegative, Positive, Share
 
 # Interpolated float32 normals of a plane differ by about 1e-7. Flat lies on the boundary of two grey
 # levels (127.5), so without a dead zone such noise would select every other pixel of a plane.
@@ -69,7 +69,7 @@ class CurvatureHints(HintSampler):
     count: Count | None = None
 
     def __post_init__(self) -> None:
-        check_ranges(self)
+        super().__post_init__()
         if not len(self.thresholds) == len(set(range(256)).intersection(self.thresholds)) == 2:
             raise InputError(
                 f"thresholds of CurvatureHints is {self.thresholds}; it must be two different levels from 0 "

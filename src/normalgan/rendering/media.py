@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.ranges import Range, Share, check_ranges
+from normalgan.ranges import Range, RangeChecked, Share
 
 
 @dataclass(frozen=True)
-class Medium:
+class Medium(RangeChecked):
     """Effects of pen, paper and scanner on the pixels of a drawing, after the strokes are drawn.
 
     Each effect has a random amount per drawing, from 0 to 1 times its setting.
@@ -35,9 +35,6 @@ class Medium:
     tint: Share = 0.12
     shadow: Share = 0.15
     noise: Share = 0.03
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
         """Return the darkness of the finished picture, (H, W) in [0, 1], for its ink.
