@@ -12,7 +12,7 @@ import pytest
 import normalgan
 from normalgan.errors import InputError
 from normalgan.hints import NoHints
-from normalgan.ranges import Count, Positive, PositiveInt, Range, Share, check_ranges
+from normalgan.ranges import Count, Positive, PositiveInt, Range, UnitInterval, check_ranges
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Pen:
     width: Positive | None = None
     tilt: Annotated[float, Range(0, 90, below=True)] = 0.0
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
-    shares: list[Share] = field(default_factory=list)
+    shares: list[UnitInterval] = field(default_factory=list)
     name: str = "pen"
     tip: Literal["round", "flat"] | None = None
     tips: list[Literal["round", "flat"]] = field(default_factory=list)

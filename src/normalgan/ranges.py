@@ -112,7 +112,8 @@ Count = Annotated[int, Range(0)]
 PositiveInt = Annotated[int, Range(1)]
 NonNegative = Annotated[float, Range(0)]
 Positive = Annotated[float, Range(0, above=True)]
-Share = Annotated[float, Range(0, 1)]
+UnitInterval = Annotated[float, Range(0, 1)]
+"""A fraction or a probability."""
 
 
 class RangeChecked:

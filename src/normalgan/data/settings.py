@@ -6,7 +6,7 @@ from pathlib import Path
 
 from normalgan.data.splits import split_by_file, split_by_fractions
 from normalgan.errors import InputError
-from normalgan.ranges import Count, PositiveInt, RangeChecked, Share, check_ranges
+from normalgan.ranges import Count, PositiveInt, RangeChecked, UnitInterval, check_ranges
 from normalgan.rendering.variation import Variation
 
 
@@ -55,7 +55,7 @@ class EmbeddedAnimals:
 
     count: PositiveInt = 24
     extra: Count = 0
-    extra_postures: Share = 0.0
+    extra_postures: UnitInterval = 0.0
     species: tuple[str, ...] = ("quadrupeds",)
 
     def __post_init__(self) -> None:

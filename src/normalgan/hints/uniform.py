@@ -9,7 +9,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
-from normalgan.ranges import Count, Share
+from normalgan.ranges import Count, UnitInterval
 
 
 @HINT_SAMPLERS.register
@@ -32,7 +32,7 @@ class UniformHints(HintSampler):
 
     minimum: Count = 10
     maximum: Count = 50
-    none: Share = 0.0
+    none: UnitInterval = 0.0
     numbers: Literal["even", "log"] = "even"
 
     def __post_init__(self) -> None:

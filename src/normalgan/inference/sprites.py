@@ -16,7 +16,7 @@ from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import extent_of
 from normalgan.inference.tiling import give_forms
 from normalgan.inference.vectors import unit
-from normalgan.ranges import RangeChecked, Share
+from normalgan.ranges import RangeChecked, UnitInterval
 
 T = TypeVar("T", bound=np.generic)
 
@@ -72,7 +72,7 @@ class Sprite(RangeChecked):
             as predicted.
     """
 
-    detail: Share = 0.0
+    detail: UnitInterval = 0.0
     pixel_art: bool = False
     form: Form | None = None
 

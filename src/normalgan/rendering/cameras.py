@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
-from normalgan.ranges import Range, RangeChecked, Share
+from normalgan.ranges import Range, RangeChecked, UnitInterval
 from normalgan.rendering.mesh import Mesh
 
 
@@ -124,7 +124,7 @@ class Views(RangeChecked):
     azimuth: Annotated[tuple[float, float], Range(-360, 360)] = (0.0, 360.0)
     elevation: Annotated[tuple[float, float], Range(-90, 90)] = (-10.0, 30.0)
     roll: Annotated[tuple[float, float], Range(-180, 180)] = (-5.0, 5.0)
-    perspective: Share = 0.5
+    perspective: UnitInterval = 0.5
     field_of_view: Annotated[tuple[float, float], Range(1, 120)] = (20.0, 50.0)
     margin: Annotated[float, Range(0, 0.5, below=True)] = 0.06
 

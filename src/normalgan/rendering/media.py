@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.ranges import Range, RangeChecked, Share
+from normalgan.ranges import Range, RangeChecked, UnitInterval
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class Medium(RangeChecked):
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
-    pencil: Share = 0.4
-    grain: Share = 0.8
-    lightness: Share = 0.5
-    bleed: Share = 0.002
-    tint: Share = 0.12
-    shadow: Share = 0.15
-    noise: Share = 0.03
+    pencil: UnitInterval = 0.4
+    grain: UnitInterval = 0.8
+    lightness: UnitInterval = 0.5
+    bleed: UnitInterval = 0.002
+    tint: UnitInterval = 0.12
+    shadow: UnitInterval = 0.15
+    noise: UnitInterval = 0.03
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
         """Return the darkness of the finished picture, (H, W) in [0, 1], for its ink.

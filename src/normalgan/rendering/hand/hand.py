@@ -6,7 +6,7 @@ from typing import Annotated, Self, get_type_hints
 
 import numpy as np
 
-from normalgan.ranges import Range, RangeChecked, Share
+from normalgan.ranges import Range, RangeChecked, UnitInterval
 from normalgan.rendering.hand.distortion import follow, random_distortion
 from normalgan.rendering.hand.effects import (
     STEP,
@@ -67,15 +67,15 @@ class Hand(RangeChecked):
     proportion: Annotated[float, Range(0, 0.3)] = 0.08
     cuts: _Number = 0.8
     simplification: _Length = 0.016
-    missed: Share = 0.9
+    missed: UnitInterval = 0.9
     missed_parts: _Number = 0.04
-    repeats: Share = 0.1
+    repeats: UnitInterval = 0.1
     drift: _Length = 0.004
     wobble: _Length = 0.0025
     tremor: _Length = 0.0006
     overshoot: _Length = 0.007
     gaps: _Length = 0.004
-    pressure: Share = 0.12
+    pressure: UnitInterval = 0.12
     fade: _Factor = 0.15
     taper: Annotated[float, Range(0, 0.95)] = 0.4
     slowness: _Factor = 0.2

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.ranges import Count, RangeChecked, Share
+from normalgan.ranges import Count, RangeChecked, UnitInterval
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
@@ -34,7 +34,7 @@ class RiggedFile(RangeChecked):
 
     file: MeshFile
     pose: Count
-    postures: Share = 0.0
+    postures: UnitInterval = 0.0
 
     @property
     def name(self) -> str:
