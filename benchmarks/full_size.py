@@ -20,7 +20,8 @@ import numpy as np
 from machine import ONE_THREAD, describe
 
 from normalgan.arrays import Floats
-from normalgan.normals import angles, encode, read_png
+from normalgan.inference.reading.drawings import read_normals
+from normalgan.normals import angles, encode, normalize
 from normalgan.rendering import EmbreeRenderer, Views, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe, Sample
@@ -73,7 +74,13 @@ def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dic
     subprocess.run(
         [sys.executable, *command, *more], check=True, stdout=sys.stderr, env={**os.environ, **ONE_THREAD}
     )
-    return {name: read_png(folder / "out" / f"{name}_normal.png") for name in samples}
+    return {name: _read(folder / "out" / f"{name}_normal.png") for name in samples}
+
+
+def _read(path: Path) -> tuple[Floats, Floats]:
+    vectors, opacity = read_normals(path)
+    assert opacity is not None  # because of --alpha
+    return normalize(vectors), opacity
 
 
 def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, float]:

@@ -1,8 +1,6 @@
 """Trains on exact lines and on the hand's, tests each model on both, and stores the results run by run."""
 
 import json
-import platform
-import subprocess
 import time
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -12,10 +10,14 @@ from typing import Any
 import numpy as np
 import torch
 from lightning.pytorch import Trainer, seed_everything
+from machine import describe
 
+from normalgan.commit import commit
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.settings import EmbeddedAnimals
+from normalgan.files.json_files import encode_json
+from normalgan.files.writing import write_bytes
 from normalgan.gan import NormalGAN
 from normalgan.hints import NoHints
 from normalgan.losses import Wasserstein
@@ -114,7 +116,7 @@ def run(settings: Settings, trained_on: str, seed: int, cache: str) -> dict[str,
 def run_all(settings: Settings, seeds: list[int], output: Path, cache: str) -> str:
     """Run what the results file lacks, save it after each run, and return the table of all its runs."""
     scale = {**asdict(settings), "hand": asdict(Hand())}
-    results: dict[str, Any] = {"settings": scale, "commit": "", "machine": machine(), "runs": []}
+    results: dict[str, Any] = {"settings": scale, "commit": "", "machine": describe("torch"), "runs": []}
     if output.exists():
         results = json.loads(output.read_text(encoding="utf-8"))
         if results["settings"] != json.loads(json.dumps(scale)):
@@ -126,10 +128,7 @@ def run_all(settings: Settings, seeds: list[int], output: Path, cache: str) -> s
                 continue
             results["runs"].append(run(settings, trained_on, seed, cache))
             results["commit"] = commit()
-            output.parent.mkdir(parents=True, exist_ok=True)
-            partly = output.with_suffix(".tmp")  # an interrupted run leaves the file unchanged
-            partly.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
-            partly.replace(output)
+            write_bytes(output, encode_json(results))
             print(f"seed {seed}, trained on {trained_on}: {results['runs'][-1]['seconds']} s", flush=True)
     return table(results["runs"])
 
@@ -149,14 +148,3 @@ def table(runs: list[dict[str, Any]]) -> str:
         cells = [f"{c.mean():.2f}° ± {c.std(ddof=1) if len(c) > 1 else float('nan'):.2f}" for c in columns]
         lines.append(f"| {trained_on} | {' | '.join(cells)} |")
     return "\n".join(lines)
-
-
-def machine() -> dict[str, Any]:
-    """Return the machine and the versions that the runs were made with."""
-    return {"processor": platform.machine(), "threads": torch.get_num_threads(), "torch": torch.__version__}
-
-
-def commit() -> str:
-    """Return the commit of the code, with a mark if the code has changed since."""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -25,8 +25,9 @@ from normalgan.inference.composites.layer_context import Inferred, context_of, s
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare
+from normalgan.inference.reading.drawings import read_normals
 from normalgan.inference.reading.picture import Picture, read_picture
-from normalgan.normals import normalize, read_png
+from normalgan.normals import normalize
 from normalgan.weights.shipped import SHIPPED
 
 SIDE, OVERLAP = 512, 6
@@ -52,9 +53,10 @@ def view(mesh: Path, folder: Path, azimuth: int) -> View:
     given = f"-o {lines} --normal {truth} --azimuth {azimuth} --size {SIDE}".split()
     if normalgan(["sketch", str(mesh), *given]):
         raise InputError(f"{mesh} cannot be drawn")
-    normals, opacity = read_png(truth)
+    vectors, opacity = read_normals(truth)
+    assert opacity is not None  # `sketch` writes one
     ink = 1 - read_picture(lines).colour[..., 0]
-    return View(ink, opacity > 0.5, normals)
+    return View(ink, opacity > 0.5, normalize(vectors))
 
 
 def parts_of(seen: View) -> Iterator[list[Layer]]:

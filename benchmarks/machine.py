@@ -2,10 +2,11 @@
 
 import os
 import platform
-import subprocess
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+
+from normalgan.commit import commit
 
 ONE_THREAD = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR")},
@@ -29,14 +30,6 @@ def describe(*packages: str) -> dict[str, object]:
         "platform": platform.platform(),
         "python": platform.python_version(),
         "versions": {name: version(name) for name in packages},
-        "commit": _git("rev-parse", "--short", "HEAD"),
-        "changed": bool(_git("status", "--porcelain", "--untracked-files=no", "--", ":/src")),
+        "commit": commit(),
         "date": datetime.now(UTC).date().isoformat(),
     }
-
-
-def _git(*arguments: str) -> str:
-    done = subprocess.run(
-        ["git", *arguments], cwd=Path(__file__).parent, capture_output=True, text=True, check=False
-    )
-    return done.stdout.strip()

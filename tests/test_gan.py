@@ -290,7 +290,7 @@ def test_hinted_pixels_can_be_left_out_of_the_figures(tmp_path: Path) -> None:
     gan = make(generator=Cheat(size=32, width=4), hint_sampler=UniformHints(50, 50))
     result = trainer(tmp_path).test(gan, loader(), verbose=False)[0]
     assert result["test/hints/below_5"] > 0.05
-    assert result["test/unhinted/below_5"] == 0
+    assert result["test/off_hints/below_5"] == 0
     assert result["test/no_hints/below_5"] == 0
 
 

@@ -8,9 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan import normals
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.reading.drawings import read_normals
 from normalgan.normals import Bits
 
 angles = st.floats(-np.pi, np.pi)
@@ -80,7 +82,7 @@ def test_axes_are_opengl() -> None:
 def test_files_keep_normals(tmp_path: Path, bits: Bits) -> None:
     truth = hemisphere()
     (tmp_path / "map.png").write_bytes(normals.encode_png(truth, bits))
-    back, alpha = normals.read_png(tmp_path / "map.png")
+    back, alpha = read_png(tmp_path / "map.png")
     angle = np.rad2deg(np.arctan2(np.linalg.norm(np.cross(truth, back), axis=-1), (truth * back).sum(-1)))
     assert angle.max() < (0.5 if bits == 8 else 0.002)
     assert (alpha == 1).all()
@@ -96,7 +98,7 @@ def test_channels_are_in_order_for_other_programs(tmp_path: Path) -> None:
 
 def test_alpha_is_read(tmp_path: Path) -> None:
     Image.new("RGBA", (4, 4), (128, 128, 255, 51)).save(tmp_path / "map.png")
-    flat, alpha = normals.read_png(tmp_path / "map.png")
+    flat, alpha = read_png(tmp_path / "map.png")
     assert np.allclose(flat, (0, 0, 1), atol=0.01)
     assert np.allclose(alpha, 0.2)
 
@@ -114,16 +116,16 @@ def test_flat_is_painted_off_the_object_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "message"), [(b"", "not an image"), (b"hello", "not an image"), (None, "no normal map at")]
+    ("content", "message"), [(b"", "not an image"), (b"hello", "not an image"), (None, "there is no file")]
 )
 def test_bad_files_are_said(tmp_path: Path, content: bytes | None, message: str) -> None:
     if content is not None:
         (tmp_path / "map.png").write_bytes(content)
     with pytest.raises(InputError, match=message):
-        normals.read_png(tmp_path / "map.png")
+        read_normals(tmp_path / "map.png")
 
 
 def test_a_grey_picture_is_no_normal_map(tmp_path: Path) -> None:
-    Image.new("L", (4, 4)).save(tmp_path / "map.png")
-    with pytest.raises(InputError, match="RGB or RGBA"):
-        normals.read_png(tmp_path / "map.png")
+    Image.new("L", (8, 8)).save(tmp_path / "map.png")
+    with pytest.raises(InputError, match="is grey; a normal map needs three channels"):
+        read_normals(tmp_path / "map.png")

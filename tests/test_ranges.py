@@ -11,7 +11,8 @@ import pytest
 
 import normalgan
 from normalgan.errors import InputError
-from normalgan.ranges import Count, Positive, Range, Share, check_ranges
+from normalgan.hints import NoHints
+from normalgan.ranges import Count, Positive, PositiveInt, Range, UnitInterval, check_ranges
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Pen:
     width: Positive | None = None
     tilt: Annotated[float, Range(0, 90, below=True)] = 0.0
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
-    shares: list[Share] = field(default_factory=list)
+    shares: list[UnitInterval] = field(default_factory=list)
     name: str = "pen"
     tip: Literal["round", "flat"] | None = None
     tips: list[Literal["round", "flat"]] = field(default_factory=list)
@@ -67,6 +68,15 @@ def test_a_class_may_give_its_values_by_name() -> None:
 
     with pytest.raises(InputError, match="count of Brush is -2; it must be 0 or more"):
         Brush(-2)
+
+
+def test_a_plugin_is_checked_without_a_constructor_of_its_own() -> None:
+    @dataclass(frozen=True)
+    class GridHints(NoHints):
+        spacing: PositiveInt = 16
+
+    with pytest.raises(InputError, match="spacing of GridHints is 0; it must be 1 or more"):
+        GridHints(0)
 
 
 def has_range(hint: Any) -> bool:

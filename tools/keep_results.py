@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError
+from normalgan.files.json_files import encode_json
 from normalgan.files.writing import write_bytes
 
 DIGITS = 4
@@ -72,7 +73,7 @@ def keep(
 def rounded(report: Mapping[str, Any]) -> bytes:
     """Return a report as JSON with rounded numbers."""
     whole = json.loads(json.dumps(report), parse_float=lambda number: round(float(number), DIGITS))
-    return (json.dumps(whole, indent=1) + "\n").encode()
+    return encode_json(whole)
 
 
 if __name__ == "__main__":

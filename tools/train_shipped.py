@@ -20,6 +20,9 @@ from time import monotonic
 import torch
 import yaml
 
+from normalgan.files.json_files import encode_json
+from normalgan.files.writing import write_bytes
+
 KINDS = ("animals", "people", "props", "rigs")
 LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"
 MEASURING = 0.15  # share of the time for export and figures
@@ -61,9 +64,7 @@ def main(arguments: list[str]) -> None:
         stage("measure", "benchmark", "--config", plan, "--evaluate", given.out / "ours.onnx", "-o", folder)
         figures[Path(plan).stem] = json.loads((folder / "evaluation.json").read_text(encoding="utf-8"))
     report = {"configs": configs, "seconds": took, "figures": figures}
-    temporary = given.out / ".figures.json"
-    temporary.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-    temporary.replace(given.out / "figures.json")
+    write_bytes(given.out / "figures.json", encode_json(report))
     print(f"Figures: {given.out / 'figures.json'}")
 
 

@@ -44,7 +44,7 @@ class EvaluationSteps(LightningModule):
             if stage == "fit":
                 _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.names())
         elif stage == "test":
-            self.test_metrics = StageMetrics("test", ("hints", "unhinted", "no_hints"))
+            self.test_metrics = StageMetrics("test", ("hints", "off_hints", "no_hints"))
 
     def forward(self, sketch: Tensor, hints: Tensor | None = None) -> Tensor:
         """Predict normal maps.
@@ -128,7 +128,7 @@ class EvaluationSteps(LightningModule):
         preds = self._float32_maps(batch, hints)
         measured = {
             "hints": (preds, mask),
-            "unhinted": (preds, without_hints(mask, hints[:, 3:])),
+            "off_hints": (preds, without_hints(mask, hints[:, 3:])),
             "no_hints": (self._float32_maps(batch, None), mask),
         }
         for row, (predicted, where) in measured.items():

@@ -31,7 +31,7 @@ from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
-from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, Share, check_ranges
+from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, UnitInterval, check_ranges
 from normalgan.saved_settings import SavedSettings
 from normalgan.seeds import derive_seed, seed_torch
 
@@ -100,7 +100,7 @@ class NormalGAN(SavedSettings, EvaluationSteps, ManualOptimization):
         reconstruction: Reconstruction = L1AndHints(),  # noqa: B008  # frozen
         gradient_clip: Positive | None = None,
         n_critic: PositiveInt = 5,
-        pinned: Share = 0.0,
+        pinned: UnitInterval = 0.0,
         hint_noise: Annotated[float, Range(0, 90)] = 0.0,
         distractor_consistency: NonNegative = 0.0,
         share_every: Count = 0,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles, Floats
 from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded, refuse_pointer
+from normalgan.files.limits import refuse_pointer
 
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]
@@ -233,34 +233,6 @@ def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
     if not done:
         raise OSError(f"a normal map of {pixels.shape[1]} × {pixels.shape[0]} could not be encoded.")
     return buffer.tobytes()
-
-
-def read_png(path: str | Path) -> tuple[Floats, Floats]:
-    """Read a normal map with 8 or 16 bits per channel.
-
-    Returns:
-        Unit normals (H, W, 3) and opacity (H, W) in [0, 1], which is 1 where the file has no alpha.
-
-    Raises:
-        InputError: if the file is missing or is not an 8- or 16-bit colour image.
-    """
-    import cv2
-
-    path = Path(path)
-    if not path.is_file():
-        raise InputError(f"there is no normal map at {path}.")
-    pixels: Any = (
-        cv2.imdecode(np.frombuffer(read_bounded(path), np.uint8), cv2.IMREAD_UNCHANGED)
-        if path.stat().st_size
-        else None
-    )
-    if pixels is None:
-        raise InputError(f"{path} is not an image that can be read; a normal map is a PNG of 8 or 16 bits.")
-    if pixels.ndim != 3 or pixels.dtype not in {np.dtype(np.uint8), np.dtype(np.uint16)}:
-        raise InputError(f"{path} has no colours of 8 or 16 bits; a normal map is an RGB or RGBA PNG.")
-    top = np.float32(np.iinfo(pixels.dtype).max)
-    alpha = pixels[..., 3] / top if pixels.shape[2] == 4 else np.ones(pixels.shape[:2])
-    return decode(pixels[..., 2::-1]), alpha.astype(np.float32)
 
 
 def read_exr(path: str | Path, most: int = 8192) -> Floats:

@@ -112,14 +112,33 @@ Count = Annotated[int, Range(0)]
 PositiveInt = Annotated[int, Range(1)]
 NonNegative = Annotated[float, Range(0)]
 Positive = Annotated[float, Range(0, above=True)]
-Share = Annotated[float, Range(0, 1)]
+UnitInterval = Annotated[float, Range(0, 1)]
+"""A fraction or a probability."""
+
+
+class RangeChecked:
+    """Base class of dataclasses whose constructor checks the ranges of the settings.
+
+    A subclass with a ``__post_init__`` of its own calls this one first.
+
+    Example:
+        >>> @dataclass
+        ... class Blur(RangeChecked):
+        ...     radius: Positive = 1.0
+        >>> Blur(radius=0)
+        Traceback (most recent call last):
+        normalgan.ranges.OutOfRangeError: radius of Blur is 0; it must be more than 0.
+    """
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
     """Check all settings of an object that its constructor annotates with a `Range` or a `Literal`.
 
-    Call it in ``__post_init__``, or at the end of ``__init__``. If the annotation is on a tuple, the tuple
-    must hold two numbers, low then high.
+    Dataclasses derive from `RangeChecked`; other classes call this at the end of ``__init__``. If the
+    annotation is on a tuple, the tuple must hold two numbers, low then high.
 
     Args:
         settings: the object.
@@ -127,16 +146,6 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
 
     Raises:
         OutOfRangeError: if a setting is outside its range or not one of the accepted words.
-
-    Example:
-        >>> @dataclass
-        ... class Blur:
-        ...     radius: Positive = 1.0
-        ...     def __post_init__(self) -> None:
-        ...         check_ranges(self)
-        >>> Blur(radius=0)
-        Traceback (most recent call last):
-        normalgan.ranges.OutOfRangeError: radius of Blur is 0; it must be more than 0.
     """
     kind: Any = type(settings)  # mypy does not consider a type hashable
     for name, hint in _hints(kind).items():

@@ -123,7 +123,7 @@ def test_no_unhinted_pixel_is_null_and_a_dash(
     meshes: Path, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     results = report(tmp_path, data(meshes, cache), model=gan(hint_sampler=UniformHints(1024, 1024)))
-    assert {value for name, value in results["unhinted"].items() if name not in PRESENCE} == {None}
+    assert {value for name, value in results["off_hints"].items() if name not in PRESENCE} == {None}
     assert "–" in capsys.readouterr().out
     assert math.isfinite(results["hints"]["angular_mean"])
 

@@ -13,7 +13,7 @@ def test_every_figure_stands_in_its_row_and_column() -> None:
     lines = results_table(RESULTS, "Test split, 4 samples").splitlines()
     assert lines[0] == "Test split, 4 samples"
     (heading,) = (line for line in lines if "constant" in line and "hints" in line and ":" not in line)
-    assert heading.split() == ["constant", "mean", "map", "no", "hints", "hints", "unhinted"]
+    assert heading.split() == ["constant", "mean", "map", "no", "hints", "hints", "off", "hints"]
     for figure, label in FIGURES.items():
         (line,) = (line for line in lines if line.strip().startswith(f"{label} "))
         shown = line.replace(label, "").split()
@@ -43,7 +43,7 @@ def test_it_fits_80_columns_whatever_the_terminal(
 
 
 def test_what_was_not_measured_is_a_dash() -> None:
-    unmeasured = {**RESULTS, "unhinted": dict.fromkeys(FIGURES, float("nan"))}
+    unmeasured = {**RESULTS, "off_hints": dict.fromkeys(FIGURES, float("nan"))}
     lines = results_table(unmeasured, "x").splitlines()
     assert sum(line.endswith("–") for line in lines) == len(FIGURES)
     assert "nan" not in "".join(lines)

@@ -11,9 +11,9 @@ import yaml
 from command import CONF, Bench, left_in, run
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.cli.training.help import SECTIONS
-from normalgan.normals import read_png
 from reported import figures_of
 
 

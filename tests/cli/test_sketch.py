@@ -5,8 +5,8 @@ import cv2
 import numpy as np
 import pytest
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
-from normalgan.normals import read_png
 
 HORSE = ("sketch", "horse-3", "--size", "96")
 

@@ -13,7 +13,6 @@ from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.reading.drawings import read_drawing, read_normals
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.inference.reading.picture import read_picture
-from normalgan.normals import read_png
 from normalgan.rendering.mesh_files import MeshFile, read_orientations
 from normalgan.weights.file import read_weights
 
@@ -23,7 +22,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "fox.kra": read_picture,
     "upload.svg": lambda path: read_picture(Path("upload.svg"), path.read_bytes()),
     "fox_normal.exr": read_normals,
-    "fox_normal.png": read_png,
+    "fox_normal.png": read_normals,
     "fox_hints.json": lambda path: load_hints(path, (8, 8)),
     "fox_hints.png": lambda path: load_hints(path, (8, 8)),
     **{

@@ -8,10 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
+from normal_pngs import read_png
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs import Normal
-from normalgan.normals import Green, encode, read_png
+from normalgan.normals import Green, encode
 from onnx_models import ramp
 
 

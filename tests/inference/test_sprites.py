@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageOps
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.arrays import Floats
 from normalgan.inference.composites.cells import Cell
@@ -15,7 +16,7 @@ from normalgan.inference.forms import Form
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.sprites import DIRECTIONS, Sprite, art_pixel, outlines, slopes_of
-from normalgan.normals import angles, read_png
+from normalgan.normals import angles
 
 SIDE = 32
 

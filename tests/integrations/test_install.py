@@ -8,7 +8,7 @@ import pytest
 from add_ons import DOG, ROOT, install, own_command
 from PIL import Image
 
-from normalgan.normals import read_png
+from normal_pngs import read_png
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
 
 
 def distance_cell(given: str, low: float) -> Cell:
-    """Return the cell of the mean error in the bin from ``low`` 170ths of the picture off the contour."""
+    """Return the cell of the mean error in the bin that starts ``low`` 170ths of the picture inside."""
 
     def cell(runs: Sequence[Result]) -> str:
         profiles = [run.get("distance", {}).get(given, {}).get("170ths", ()) for run in runs]
@@ -93,7 +93,7 @@ def distance_cell(given: str, low: float) -> Cell:
 
 
 def pin_cell(strategy: str, number: int) -> Cell:
-    """Return the cell of the mean error after a number of pins placed one by one by a strategy."""
+    """Return the cell of the mean error after a strategy has placed a number of pins, one at a time."""
     return lambda runs: spread_of([run["pins"][strategy][number] for run in runs if "pins" in run], 2, "°")
 
 

@@ -70,7 +70,7 @@ class TestReport(Callback):
         self._mean_map = data.mean_normal_map().to(pl_module.device)
         baselines = ("constant", "mean_map")
         self._baselines = StageMetrics("test", baselines).to(pl_module.device)
-        rows = (*baselines, "hints", "unhinted", "no_hints")
+        rows = (*baselines, "hints", "off_hints", "no_hints")
         self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
         # limit_test_batches reduces the tested samples; the gallery shows samples of one process only.
         samples, share = len(data.test_dataset), int(trainer.num_test_batches[0]) * data.batch_size

@@ -19,7 +19,7 @@ HEADINGS = {
     "mean_map": "mean map",
     "no_hints": "no hints",
     "hints": "hints",
-    "unhinted": "unhinted",
+    "off_hints": "off hints",
 }
 FIGURES = {
     "angular_mean": "mean angular error",
@@ -38,7 +38,7 @@ FIGURES = {
 }
 _NOTE = """\
 Pixels on the object. constant: (0, 0, 1) everywhere; mean map: the mean of the
-training split; neither sees the sketch. unhinted: with the same hints, the
+training split; neither sees the sketch. off hints: with the same hints, the
 hinted pixels left out. mask IoU: of where an object is predicted (a vector
 longer than 1/2) and where it is; coverage: the share of the object that is."""
 

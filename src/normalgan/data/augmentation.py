@@ -15,13 +15,13 @@ from normalgan.contracts import class_name, describe, refused
 from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
 from normalgan.losses.distractor_consistency import add_distractor_strokes
-from normalgan.ranges import NonNegative, Range, Share, check_ranges
+from normalgan.ranges import NonNegative, Range, RangeChecked, UnitInterval
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 from normalgan.vectors import unit_vectors, unit_vectors_within
 
 
-class BatchAugmentation(ABC):
+class BatchAugmentation(RangeChecked, ABC):
     """Base class of augmentations: random changes of training batches, on the batch's device.
 
     An augmentation is a frozen dataclass of plain settings. If it moves pixels, it must move those of
@@ -241,22 +241,19 @@ class Augmentation(BatchAugmentation):
         width: amount by which lines get thicker or fainter, from 0 to 1.
     """
 
-    flip: Share = 0.5
+    flip: UnitInterval = 0.5
     rotation: NonNegative = 10.0
     scale: Annotated[tuple[float, float], Range(0, above=True)] = (0.9, 1.1)
-    translation: Share = 0.03
+    translation: UnitInterval = 0.03
     jitter: NonNegative = 0.7
-    dropout: Share = 0.05
-    width: Share = 0.4
+    dropout: UnitInterval = 0.05
+    width: UnitInterval = 0.4
     stretch: bool = False
     shear: Annotated[float, Range(0, 45)] = 0.0
-    distractor_strokes: Share = 0.0
-    fills: Share = 0.0
-    decals: Share = 0.0
-    hatching: Share = 0.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
+    distractor_strokes: UnitInterval = 0.0
+    fills: UnitInterval = 0.0
+    decals: UnitInterval = 0.0
+    hatching: UnitInterval = 0.0
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; equal for equal seeds.

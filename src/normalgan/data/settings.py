@@ -6,12 +6,12 @@ from pathlib import Path
 
 from normalgan.data.splits import split_by_file, split_by_fractions
 from normalgan.errors import InputError
-from normalgan.ranges import Count, PositiveInt, Share, check_ranges
+from normalgan.ranges import Count, PositiveInt, RangeChecked, UnitInterval, check_ranges
 from normalgan.rendering.variation import Variation
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshOptions:
+class MeshOptions(RangeChecked):
     """Options for reading mesh files and for adding poses and variants.
 
     Args:
@@ -27,9 +27,6 @@ class MeshOptions:
     crease_angle: float | None = None
     poses: Count = 0
     variants: Count = 0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +55,7 @@ class EmbeddedAnimals:
 
     count: PositiveInt = 24
     extra: Count = 0
-    extra_postures: Share = 0.0
+    extra_postures: UnitInterval = 0.0
     species: tuple[str, ...] = ("quadrupeds",)
 
     def __post_init__(self) -> None:
@@ -100,7 +97,7 @@ class Split:
 
 
 @dataclass(frozen=True)
-class Storage:
+class Storage(RangeChecked):
     """Resources of this machine, which do not affect the samples.
 
     Args:
@@ -112,9 +109,6 @@ class Storage:
 
     memory: Count = 2 * 1024**3
     render_workers: Count = 2
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True)

@@ -82,9 +82,9 @@ def read_onnx(content: bytes) -> Run:
 
 def halve_onnx(content: bytes) -> bytes:
     """Return the model with 16-bit weights."""
-    from normalgan.exporting.onnx_file import halve  # other formats do not need the package onnx
+    from normalgan.exporting.onnx_file import to_float16  # other formats do not need the package onnx
 
-    return halve(content)
+    return to_float16(content)
 
 
 def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:

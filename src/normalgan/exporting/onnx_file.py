@@ -54,7 +54,7 @@ def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:
     return bytes(done.SerializeToString(deterministic=True))
 
 
-def halve(content: bytes) -> bytes:
+def to_float16(content: bytes) -> bytes:
     """Return a model with weights stored as float16 and computation in float32.
 
     A cast node converts each weight back to float32, which ONNX Runtime does once when it loads the model.

@@ -5,10 +5,11 @@ from abc import ABC, abstractmethod
 import torch
 from torch import Tensor
 
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 
 
-class HintSampler(ABC):
+class HintSampler(RangeChecked, ABC):
     """Base class of hint samplers, which stand in for the designer in training and testing."""
 
     @abstractmethod

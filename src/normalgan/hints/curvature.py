@@ -10,7 +10,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.normal_curvature import Estimator, curvature_map
-from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
+from normalgan.ranges import Count, NonNegative, Positive, UnitInterval
 
 # Interpolated float32 normals of a plane differ by about 1e-7. Flat lies on the boundary of two grey
 # levels (127.5), so without a dead zone such noise would select every other pixel of a plane.
@@ -60,16 +60,16 @@ class CurvatureHints(HintSampler):
     blur: NonNegative = 0.0
     normalisation: Literal["none", "minmax"] = "none"
     gain: Positive = 0.05
-    offset: Share = 0.5
+    offset: UnitInterval = 0.5
     rounding: Literal["round", "floor"] = "round"
     thresholds: tuple[int, int] = (127, 126)
     comparison: Literal["greater", "greater_equal"] = "greater"
     object_only: bool = True
-    dropout: Share = 0.95
+    dropout: UnitInterval = 0.95
     count: Count | None = None
 
     def __post_init__(self) -> None:
-        check_ranges(self)
+        super().__post_init__()
         if not len(self.thresholds) == len(set(range(256)).intersection(self.thresholds)) == 2:
             raise InputError(
                 f"thresholds of CurvatureHints is {self.thresholds}; it must be two different levels from 0 "

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
-from normalgan.ranges import Count, check_ranges
+from normalgan.ranges import Count
 
 
 @HINT_SAMPLERS.register
@@ -25,9 +25,6 @@ class FarthestPointHints(HintSampler):
     """
 
     count: Count = 15
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""

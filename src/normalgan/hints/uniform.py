@@ -9,7 +9,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
-from normalgan.ranges import Count, Share, check_ranges
+from normalgan.ranges import Count, UnitInterval
 
 
 @HINT_SAMPLERS.register
@@ -32,11 +32,11 @@ class UniformHints(HintSampler):
 
     minimum: Count = 10
     maximum: Count = 50
-    none: Share = 0.0
+    none: UnitInterval = 0.0
     numbers: Literal["even", "log"] = "even"
 
     def __post_init__(self) -> None:
-        check_ranges(self)
+        super().__post_init__()
         if self.minimum > self.maximum:
             raise InputError(
                 f"UniformHints was given minimum={self.minimum} and maximum={self.maximum}; "

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler
-from normalgan.ranges import Count, NonNegative, check_ranges
+from normalgan.ranges import Count, NonNegative
 
 _CROWDED = 1e4  # larger than any error
 
@@ -28,9 +28,6 @@ class WorstErrorHints(ErrorHintSampler):
 
     count: Count = 15
     spacing: NonNegative = 0.5
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W) of the error's type; ``rng`` is not used."""

@@ -16,7 +16,7 @@ from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import extent_of
 from normalgan.inference.tiling import give_forms
 from normalgan.inference.vectors import unit
-from normalgan.ranges import Share, check_ranges
+from normalgan.ranges import RangeChecked, UnitInterval
 
 T = TypeVar("T", bound=np.generic)
 
@@ -62,7 +62,7 @@ DIRECTIONS: Floats = _directions()
 
 
 @dataclass(frozen=True)
-class Sprite:
+class Sprite(RangeChecked):
     """Adapts a predicted map to a sprite.
 
     Args:
@@ -72,12 +72,9 @@ class Sprite:
             as predicted.
     """
 
-    detail: Share = 0.0
+    detail: UnitInterval = 0.0
     pixel_art: bool = False
     form: Form | None = None
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     @property
     def changes(self) -> bool:

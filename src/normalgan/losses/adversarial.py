@@ -6,6 +6,7 @@ from collections.abc import Callable
 import torch
 from torch import Tensor, nn
 
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 
 Scores = tuple[Tensor, ...]
@@ -15,7 +16,7 @@ Critic = Callable[[Tensor], Scores]
 """A discriminator with a fixed condition: maps normals (N, 3, H, W) to scores."""
 
 
-class AdversarialObjective(ABC):
+class AdversarialObjective(RangeChecked, ABC):
     """Base class of adversarial objectives; all losses are minimised."""
 
     @abstractmethod

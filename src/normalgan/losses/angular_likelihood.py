@@ -10,7 +10,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
-from normalgan.ranges import NonNegative, PositiveInt, check_ranges
+from normalgan.ranges import NonNegative, PositiveInt
 
 _GRID = 8  # cells along each side of the grid in which the relief is compared
 _TINY = 1e-6  # lower bound of a length or its square, because the angle has no gradient at 0 and 180°
@@ -85,9 +85,6 @@ class AngularLikelihood(Reconstruction):
     relief_weight: NonNegative = 0.0
     stride: PositiveInt = 1
     likelihood_weight: NonNegative = 1.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return likelihood, angle (if its weight is positive) and presence; see `Reconstruction.terms`."""

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
-from normalgan.ranges import NonNegative, check_ranges
+from normalgan.ranges import NonNegative
 
 
 @RECONSTRUCTIONS.register
@@ -25,9 +25,6 @@ class CosineAndL2(Reconstruction):
 
     cosine_weight: NonNegative = 1.0
     l2_weight: NonNegative = 1.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return both terms; see `Reconstruction.terms`."""

@@ -12,7 +12,7 @@ _SHARE_DISTRACTED = 1 / 4
 
 
 def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor:
-    """Draw up to two short straight strokes without meaning on each object, like hatching or slips.
+    """Draw up to two short, straight, meaningless strokes on each object, like hatching or slips of the pen.
 
     The strokes are 1/30 to 1/6 of the side long and, at 256 pixels, 0.8 to 3 pixels wide.
 
@@ -50,7 +50,7 @@ def with_distractor_strokes(sketch: Tensor, mask: Tensor) -> Tensor:
 def distractor_inconsistency(direction: Tensor, distracted: Tensor, mask: Tensor) -> Tensor:
     """Return the mean angle in radians between predictions with and without distractor strokes, a scalar.
 
-    Gradients flow into both maps. With the stroke-free map detached, small networks lost form.
+    Gradients flow into both maps. With the stroke-free map detached, small networks lose the object's form.
 
     Args:
         direction: (N, 3, H, W) predicted unit normals.

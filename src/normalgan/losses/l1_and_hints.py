@@ -7,7 +7,7 @@ from torch import Tensor
 
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.models.predictions import Predictions
-from normalgan.ranges import NonNegative, check_ranges
+from normalgan.ranges import NonNegative
 
 
 @RECONSTRUCTIONS.register
@@ -25,9 +25,6 @@ class L1AndHints(Reconstruction):
     l1_weight: NonNegative = 500.0
     hint_weight: NonNegative = 15.0
     composited: bool = False
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from torch import Tensor
 
 from normalgan.models.predictions import Predictions
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 
 
@@ -18,7 +19,7 @@ class Term(NamedTuple):
     """Weight of the term in the loss."""
 
 
-class Reconstruction(ABC):
+class Reconstruction(RangeChecked, ABC):
     """Base class of losses that compare a predicted map with the true map."""
 
     @abstractmethod

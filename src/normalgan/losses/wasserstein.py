@@ -13,7 +13,7 @@ from normalgan.losses.adversarial import (
     Scores,
     mean_over_heads,
 )
-from normalgan.ranges import NonNegative, Positive, check_ranges
+from normalgan.ranges import NonNegative, Positive
 
 
 class _DistanceObjective(AdversarialObjective):
@@ -46,9 +46,6 @@ class Wasserstein(_DistanceObjective):
 
     weight_clip: Positive = 0.01
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
     @torch.no_grad()
     def after_discriminator_step(self, discriminator: nn.Module) -> None:
         """Clip the weights."""
@@ -69,9 +66,6 @@ class WassersteinGradientPenalty(_DistanceObjective):
     """
 
     gradient_penalty: NonNegative = 10.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def check(self, discriminator: nn.Module) -> None:
         """Raise `InputError` if the discriminator uses batch norm."""

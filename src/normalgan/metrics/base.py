@@ -45,7 +45,7 @@ class MapMetric(Metric, ABC):
 
     full_state_update = False  # updates depend only on their batch, and states can be merged
 
-    # Lets a network that holds a metric be scripted.
+    # So that torch.jit can script a network that holds a metric.
     __jit_unused_properties__: ClassVar[list[str]] = [*Metric.__jit_unused_properties__, "figure"]
 
     label: ClassVar[str] = ""
@@ -148,7 +148,7 @@ class NormalMapMetric(MapMetric):
 
     @abstractmethod
     def value(self) -> Tensor:
-        """Return the metric; called only if there are pixels and all are finite."""
+        """Return the metric of at least one pixel, all of them finite."""
 
     def mean(self, total: Tensor) -> Tensor:
         """Return the mean over pixels for a sum of the state, which is counted in fractions."""

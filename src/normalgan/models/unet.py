@@ -8,7 +8,7 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Discriminator, Generator
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer, up
-from normalgan.ranges import PositiveInt, Range, Share, check_ranges
+from normalgan.ranges import PositiveInt, Range, UnitInterval, check_ranges
 
 _Depth = Annotated[int, Range(2)]
 
@@ -123,7 +123,7 @@ class UNetGenerator(Generator):
         kernel: PositiveInt = 4,
         norm: Norm = "batch",
         bias: bool = False,
-        dropout: Share = 0.5,
+        dropout: UnitInterval = 0.5,
     ) -> None:
         super().__init__()
         check_ranges(self, self.built_with)

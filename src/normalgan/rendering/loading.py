@@ -38,8 +38,6 @@ def read_triangles(path: Path) -> _Triangles:
     if not np.isfinite(vertices).all():
         bad = int((~np.isfinite(vertices)).any(axis=1).sum())
         raise InputError(f"{path} has {bad} vertices with a coordinate that is not a finite number.")
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise InputError(f"{path} has a face that refers to a missing vertex; is it truncated?")
     return vertices, faces
 
 

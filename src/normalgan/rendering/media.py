@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.ranges import Range, Share, check_ranges
+from normalgan.ranges import Range, RangeChecked, UnitInterval
 
 
 @dataclass(frozen=True)
-class Medium:
+class Medium(RangeChecked):
     """Effects of pen, paper and scanner on the pixels of a drawing, after the strokes are drawn.
 
     Each effect has a random amount per drawing, from 0 to 1 times its setting.
@@ -28,16 +28,13 @@ class Medium:
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
-    pencil: Share = 0.4
-    grain: Share = 0.8
-    lightness: Share = 0.5
-    bleed: Share = 0.002
-    tint: Share = 0.12
-    shadow: Share = 0.15
-    noise: Share = 0.03
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
+    pencil: UnitInterval = 0.4
+    grain: UnitInterval = 0.8
+    lightness: UnitInterval = 0.5
+    bleed: UnitInterval = 0.002
+    tint: UnitInterval = 0.12
+    shadow: UnitInterval = 0.15
+    noise: UnitInterval = 0.03
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
         """Return the darkness of the finished picture, (H, W) in [0, 1], for its ink.

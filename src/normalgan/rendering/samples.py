@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.files.source_hash import source_hash
-from normalgan.ranges import PositiveInt, check_ranges
+from normalgan.ranges import PositiveInt, RangeChecked
 from normalgan.rendering.cameras import Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing, check_strokes
@@ -49,7 +49,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Recipe:
+class Recipe(RangeChecked):
     """Recipe for samples of a mesh; it creates the same samples in any order and on any machine.
 
     Args:
@@ -72,9 +72,6 @@ class Recipe:
     seed: int = 0
     hand: Hand | None = None
     medium: Medium | None = None
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def check(self) -> None:
         """Raise `InputError` if this machine lacks a requirement of the renderer."""

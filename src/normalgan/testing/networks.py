@@ -30,7 +30,7 @@ _CLOSE = 1e-4  # for float32 outputs that differ only in the order of additions
 
 
 def generator_checks(size: int = 64) -> list[Check[Generator]]:
-    """Return the checks of a generator for pictures of a size, for ``pytest.mark.parametrize``."""
+    """Return the checks of a generator, run with pictures of side ``size``, for pytest to parametrize."""
     return [
         *settings_checks(Generator),  # type: ignore[type-abstract]
         Check("shape and type", lambda g: _shape_of_map(g, size), promised(Generator.forward)),
@@ -110,7 +110,7 @@ def _bfloat16(generator: Generator, size: int) -> None:
 
 
 def discriminator_checks(size: int = 64) -> list[Check[Discriminator]]:
-    """Return the checks of a discriminator for pictures of a size, for ``pytest.mark.parametrize``."""
+    """Return the checks of a discriminator, run with pictures of side ``size``, for pytest to parametrize."""
     contract = promised(Discriminator.forward)
     return [
         *settings_checks(Discriminator),  # type: ignore[type-abstract]

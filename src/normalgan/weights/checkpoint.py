@@ -23,7 +23,6 @@ from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.registry import Registry, class_path, find_imported
 from normalgan.weights.class_spec import ANY_NUMBER, LARGEST_SETTING, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
-from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
 
@@ -265,10 +264,7 @@ def _part(name: str, value: Any) -> ClassSpec:
     registry, largest = REGISTRIES[name]
     _check_named(name, value)
     part = ClassSpec.of(value, largest)
-    cls = registry.find(part.name) or find_local(part.name, registry.base)
-    if cls is None:
-        shown = part.name[:60]
-        raise InputError(registry.explain_unknown(shown) + where_classes_are_looked_for(shown))
+    cls = part.find(registry)
     own = registry.find(cls.__name__) is cls
     return ClassSpec(cls.__name__ if own else class_path(cls), part.settings)
 

@@ -98,18 +98,21 @@ class ClassSpec:
                 raise
             raise InputError("what it names is not a class with settings.") from None
 
-    def configuration(self, registry: Registry[Any]) -> dict[str, Any]:
-        """Return the configuration, with the full path of the class.
+    def find(self, registry: Registry[T]) -> type[T]:
+        """Return the class.
 
         Raises:
-            InputError: if the class is neither registered (including plug-ins) nor in the working
-                directory.
+            InputError: if it is neither registered (including plug-ins) nor in the working directory.
         """
         known = registry.find(self.name) or find_local(self.name, registry.base)
         if known is None:
             name = self.name[:60]
             raise InputError(registry.explain_unknown(name) + where_classes_are_looked_for(name))
-        return {**self.to_dict(), "class_path": class_path(known)}
+        return known
+
+    def configuration(self, registry: Registry[Any]) -> dict[str, Any]:
+        """Return the configuration, with the full path of the class; raises `InputError` like `find`."""
+        return {**self.to_dict(), "class_path": class_path(self.find(registry))}
 
     def build(self, registry: Registry[T]) -> T:
         """Return an instance of the class.

@@ -12,7 +12,6 @@ from normalgan.version import __version__
 from normalgan.weights.class_spec import LARGEST_SETTING, ClassSpec
 
 _UNKNOWN = "null"
-_MADE_IN_PYTHON = "its hint sampler was made in Python of more than plain values; measure the model there."
 
 
 @dataclass(frozen=True)
@@ -64,9 +63,7 @@ class ModelMetadata:
         Raises:
             InputError: if its class is unknown here.
         """
-        if self.hint_sampler is None:
-            raise InputError(_MADE_IN_PYTHON)
-        return self.hint_sampler.build(HINT_SAMPLERS)
+        return self._trained_sampler().build(HINT_SAMPLERS)
 
     def settings(self, measured: bool = True) -> dict[str, Any]:
         """Return the settings of `NormalGAN` in the metadata, as in a configuration.
@@ -78,17 +75,22 @@ class ModelMetadata:
         Raises:
             InputError: if a class is unknown here.
         """
-        if measured and self.hint_sampler is None:
-            raise InputError(_MADE_IN_PYTHON)
-        sampler = self.hint_sampler.configuration(HINT_SAMPLERS) if measured and self.hint_sampler else None
+        sampler = {"hint_sampler": self._trained_sampler().configuration(HINT_SAMPLERS)} if measured else {}
         return {
             "generator": self.generator.configuration(GENERATORS),
-            **({"hint_sampler": sampler} if sampler else {}),
+            **sampler,
             "noise_at_test": self.noise_at_test,
             "seed": self.seed,
             "refined": self.refined,
             "line_widths": self.line_widths,
         }
+
+    def _trained_sampler(self) -> ClassSpec:
+        if self.hint_sampler is None:
+            raise InputError(
+                "its hint sampler was made in Python of more than plain values; measure the model there."
+            )
+        return self.hint_sampler
 
     @classmethod
     def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":

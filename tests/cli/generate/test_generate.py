@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
-from normalgan.normals import read_png
 from pens import blob, outline, overlap
 
 FILLED = blob()

@@ -7,6 +7,7 @@ import torch
 from PIL import Image, ImageDraw
 from torch import Tensor
 
+from normal_pngs import read_png
 from normalgan.cli.training.normal_map_writer import NormalMapWriter
 from normalgan.data.settings import Prediction
 from normalgan.errors import InputError, RunError
@@ -14,7 +15,7 @@ from normalgan.gan import NormalGAN
 from normalgan.inference.outputs import Height, ModelInput, Normal
 from normalgan.inference.outputs.output_set import Outputs
 from normalgan.models import UNetGenerator
-from normalgan.normals import Bits, encode, read_png
+from normalgan.normals import Bits, encode
 from small import QUIET, data, gan, trainer
 
 pytestmark = pytest.mark.filterwarnings(*QUIET)

@@ -9,8 +9,8 @@ from command import Bench, Outcome, left_in, run
 from numpy.typing import NDArray
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
-from normalgan.normals import read_png
 from reported import figures_of
 
 

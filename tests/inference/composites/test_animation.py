@@ -9,13 +9,13 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence, TiffImagePlugin
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import Kind, encode_animation, moving_kind
 from normalgan.inference.composites.steadying import steadied
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
-from normalgan.normals import read_png
 from pens import blob, outline
 
 Pixels = NDArray[np.uint8]

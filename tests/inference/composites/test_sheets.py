@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.normal_map import NormalMap, as_it_lies
 from normalgan.inference.reading.picture import Picture
-from normalgan.normals import read_png
 from pens import blob, outline, overlap
 
 Pixels = NDArray[np.uint8]

@@ -10,13 +10,14 @@ import yaml
 from numpy.typing import NDArray
 from PIL import Image
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.arrays import Floats
 from normalgan.inference.heights.height import integrate
 from normalgan.inference.heights.relief_mesh import relief_mesh, simpler
 from normalgan.inference.outputs.occlusion import occlusion
 from normalgan.inference.outputs.shading import curvature
-from normalgan.normals import normalize, read_png
+from normalgan.normals import normalize
 from pens import blob, outline
 
 SIDE = 128

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from rig_files import bar, write_glb
 
+from normal_pngs import read_png
 from normalgan.__main__ import main
 from normalgan.errors import InputError
-from normalgan.normals import read_png
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import ClipMeshes
 

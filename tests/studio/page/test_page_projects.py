@@ -9,7 +9,8 @@ from PIL import Image
 from studio_page import AWAY, SIDE, Server, Studio, begun, open_studio, serving
 
 from chromium import storage
-from normalgan.normals import flip_green, read_png
+from normal_pngs import read_png
+from normalgan.normals import flip_green
 from onnx_models import write_model
 
 if TYPE_CHECKING:

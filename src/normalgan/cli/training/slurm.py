@@ -40,10 +40,10 @@ def with_slurm(plugins: Iterable[object]) -> list[object]:
 
 @contextmanager
 def requeued_on_signal() -> Iterator[None]:
-    """Inside this context SIGUSR1 requeues a SLURM job and ends the command, as Ctrl-C does.
+    """Requeue a SLURM job and end the command on SIGUSR1, within the context.
 
-    It is for the time before training, such as while samples are rendered. When training starts,
-    `StoppedCheckpoint` puts a handler of its own in place, which saves a checkpoint first.
+    Use it before training, for example while samples are rendered. When training starts,
+    `StoppedCheckpoint` installs its own handler, which saves a checkpoint first.
     """
     if (
         not SLURMEnvironment.detect()

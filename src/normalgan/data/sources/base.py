@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.settings import Split
 from normalgan.data.sources.pair import PairRecipe
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation
@@ -25,7 +26,7 @@ class SplitSettings(Split):
     variation: Variation = field(default_factory=Variation)
 
 
-class DataSource(ABC):
+class DataSource(RangeChecked, ABC):
     """Base class of data sources, which list the items for training, validation and testing.
 
     A source is a frozen dataclass of plain settings. It returns meshes, which are rendered according to

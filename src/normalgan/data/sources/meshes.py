@@ -7,7 +7,7 @@ from typing import TypeVar
 from normalgan.data.settings import MeshOptions
 from normalgan.data.sources.base import SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.ranges import Share
+from normalgan.ranges import UnitInterval
 from normalgan.rendering import MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
@@ -31,7 +31,7 @@ class MeshGroup(MeshOptions):
 
     meshes: str | list[str]
     split_file: str | None = None
-    postures: Share = 0.0
+    postures: UnitInterval = 0.0
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the group's meshes by split.

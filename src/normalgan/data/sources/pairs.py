@@ -12,7 +12,6 @@ from normalgan.data.sources.pair_files import LAYOUTS, Direction, PairFiles, fin
 from normalgan.data.splits import SPLITS, none_usable
 from normalgan.errors import InputError
 from normalgan.normals import Green
-from normalgan.ranges import check_ranges
 
 _SHOWN = 20
 """Maximum number of files that a warning lists."""
@@ -50,7 +49,7 @@ class Pairs(PairSource):
     resplit: bool = False
 
     def __post_init__(self) -> None:
-        check_ranges(self)
+        super().__post_init__()
         object.__setattr__(self, "files", _as_texts(self.files))
 
     def split(self, settings: SplitSettings) -> Mapping[str, Sequence[PairFiles]]:

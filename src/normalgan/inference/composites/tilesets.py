@@ -28,7 +28,7 @@ _REACH = 1 / 4
 _PASSES = 4
 """Number of adjustment rounds; one is not enough, because each axis disturbs the other at the corners."""
 _USUAL = 0.9
-"""Quantile of the colour steps between the pixel rows of a tile that is a usual step; outlines exceed it."""
+"""Quantile that counts as a usual colour step between a tile's pixel rows; outlines exceed it."""
 _ALIKE = 1 / 15
 """Largest difference between two background colours, in [0, 1]; JPEG noise is smaller."""
 _ROUNDING = np.float32(1e-6)

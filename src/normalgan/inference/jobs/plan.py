@@ -24,7 +24,7 @@ _NO_MAPS = {
     *(each for each in SUFFIXES if each not in FILES),
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
-"""Endings of unsupported map files; an output with such an ending is not taken for a folder."""
+"""Endings of unsupported map files; an output path with such an ending is not treated as a folder."""
 
 
 @dataclass(frozen=True)

@@ -147,7 +147,7 @@ def _regions_of(inked: BoolMask, presence: Floats) -> _Regions:
 
 
 def _voted(regions: _Regions, inked: BoolMask, presence: Floats, solid: BoolMask) -> BoolMask:
-    """Return the object (h, w) before the user's holes; ``solid`` regions (N,) belong to it by any vote."""
+    """Return the object (h, w) before the user's holes; all ``solid`` regions (N,) belong to it."""
     labels, _, votes, enclosed = regions
     filled = np.where(enclosed[labels], ((votes > 0.5) | solid)[labels], presence > 0.5) & ~inked
     voted = filled | (inked & (presence > 0.5))

@@ -10,12 +10,12 @@ import numpy as np
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
-from normalgan.ranges import check_ranges
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 
 
 @dataclass(frozen=True)
-class Output(ABC):
+class Output(RangeChecked, ABC):
     """A kind of file that is written next to a normal map, such as a height map.
 
     Subclasses are frozen dataclasses. Each field is a setting with a default and becomes an option of
@@ -40,10 +40,6 @@ class Output(ABC):
     """File formats in an engine's zip; by default the first of `formats`."""
 
     format: str = "png"
-
-    def __post_init__(self) -> None:
-        """Check the ranges of the settings; overrides must call this first."""
-        check_ranges(self)
 
     @abstractmethod
     def encode(self, preds: NormalMap) -> dict[str, bytes]:

@@ -6,7 +6,7 @@ from typing import Annotated, Self, get_type_hints
 
 import numpy as np
 
-from normalgan.ranges import Range, Share, check_ranges
+from normalgan.ranges import Range, RangeChecked, UnitInterval
 from normalgan.rendering.hand.distortion import follow, random_distortion
 from normalgan.rendering.hand.effects import (
     STEP,
@@ -32,7 +32,7 @@ _Factor = Annotated[float, Range(0, 2)]
 
 
 @dataclass(frozen=True)
-class Hand:
+class Hand(RangeChecked):
     """The kinds, sizes and frequencies of a person's drawing errors.
 
     Lengths are fractions of the frame's side, so that a drawing looks the same at every size. 0 turns an
@@ -67,23 +67,19 @@ class Hand:
     proportion: Annotated[float, Range(0, 0.3)] = 0.08
     cuts: _Number = 0.8
     simplification: _Length = 0.016
-    missed: Share = 0.9
+    missed: UnitInterval = 0.9
     missed_parts: _Number = 0.04
-    repeats: Share = 0.1
+    repeats: UnitInterval = 0.1
     drift: _Length = 0.004
     wobble: _Length = 0.0025
     tremor: _Length = 0.0006
     overshoot: _Length = 0.007
     gaps: _Length = 0.004
-    pressure: Share = 0.12
+    pressure: UnitInterval = 0.12
     fade: _Factor = 0.15
     taper: Annotated[float, Range(0, 0.95)] = 0.4
     slowness: _Factor = 0.2
     pen: Annotated[tuple[float, float], Range(0.1, 10)] = (0.9, 3.0)
-
-    def __post_init__(self) -> None:
-        """Check that all settings are in range."""
-        check_ranges(self)
 
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator

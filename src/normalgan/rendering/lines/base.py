@@ -6,12 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from normalgan.errors import InputError
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 
-class LineDrawing(ABC):
+class LineDrawing(RangeChecked, ABC):
     """Base class of line styles.
 
     A style is a frozen dataclass that does not use torch. Its fields are its settings. The cache key of

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats
-from normalgan.ranges import Positive, PositiveInt, check_ranges
+from normalgan.ranges import Positive, PositiveInt
 from normalgan.rendering.cameras import Camera
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
@@ -118,9 +118,6 @@ class BufferedDrawing(LineDrawing):
 
     line_width: Positive = 1.25
     resolution: PositiveInt = 512
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes; see `LineDrawing.trace`."""

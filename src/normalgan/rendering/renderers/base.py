@@ -2,13 +2,14 @@
 
 from abc import ABC, abstractmethod
 
+from normalgan.ranges import RangeChecked
 from normalgan.registry import Registry
 from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 
 
-class Renderer(ABC):
+class Renderer(RangeChecked, ABC):
     """Base class of renderers.
 
     A renderer is a frozen dataclass that does not use torch. Its fields are its settings. The cache key of

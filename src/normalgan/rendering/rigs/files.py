@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.ranges import Count, Share, check_ranges
+from normalgan.ranges import Count, RangeChecked, UnitInterval
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
@@ -22,7 +22,7 @@ _POSTURES_VERSION = 1
 
 
 @dataclass(frozen=True)
-class RiggedFile:
+class RiggedFile(RangeChecked):
     """A random pose of a rigged glTF file, determined by its number; a `MeshSource`.
 
     Args:
@@ -34,10 +34,7 @@ class RiggedFile:
 
     file: MeshFile
     pose: Count
-    postures: Share = 0.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
+    postures: UnitInterval = 0.0
 
     @property
     def name(self) -> str:

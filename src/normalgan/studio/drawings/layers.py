@@ -60,7 +60,7 @@ def take_layers(fields: RequestFields, kept: KeptPlanes, pixels: memoryview | No
 def predict_layers(
     layers: Sequence[Layer], predict: Callable[[DrawingRequest, Sequence[DrawingRequest]], NormalMap]
 ) -> NormalMap:
-    """Return the composite map of all layers; its findings name the layers that could not be predicted.
+    """Return the composite map of all layers, with a finding for each layer that could not be predicted.
 
     Args:
         layers: the layers, back to front.
