@@ -205,6 +205,37 @@ def test_a_banner_is_the_object_as_in_python(studio: "Page", shape: tuple[int, i
     assert np.count_nonzero(found != wanted) < 20
 
 
+def icon(side: int) -> NDArray[np.uint8]:
+    """A red disc (side, side, 4) with a dark outline on nothing, drawn large and reduced."""
+    big = np.zeros((8 * side, 8 * side, 4), np.float32)
+    cv2.circle(big, (4 * side, 4 * side), round(3.2 * side), (0.1, 0.1, 0.1, 1), -1)
+    cv2.circle(big, (4 * side, 4 * side), round(2.9 * side), (0.8, 0.2, 0.2, 1), -1)
+    small = big.reshape(side, 8, side, 8, 4).mean((1, 3))
+    small[..., :3] /= np.maximum(small[..., 3:], 1e-4)
+    return np.rint(255 * small).astype(np.uint8)
+
+
+@pytest.mark.parametrize("side", [32, 48, 128])
+def test_an_icon_is_prepared_at_the_size_of_the_model_as_in_python(studio: "Page", side: int) -> None:
+    rgba = icon(side)
+    wanted = python()(rgba)
+    found = decoded(studio.evaluate(ASK, [*encoded(rgba), {}]), (side, side))
+    assert_near(found, wanted, share=0.98, degrees=1)
+    # Strokes too: a drawing on small paper.
+    grey = np.full((side, side), 255, np.uint8)
+    cv2.circle(grey, (side // 2, side // 2), side // 3, (0,), 2, cv2.LINE_AA)
+    assert_alike(studio, grey, [])
+    hints = [{"x": side / 2 + 0.5, "y": side / 2 + 0.5, "normal": [-0.6, 0.0, 0.8]}]
+    assert_alike(studio, grey, hints, degrees=2.5)  # the page holds points exactly
+    cut = {"points": [side / 2, side / 2], "size": side / 8, "adds": False}
+    answer = studio.evaluate(ASK, [*encoded(rgba), {"mask_strokes": [cut]}])
+    mask = decoded(answer, grey.shape)[..., 3] > 127
+    assert not mask[side // 2, side // 2]
+    assert mask[side // 2, side // 2 + side // 5]
+    doubt = studio.evaluate(ASK, [*encoded(grey), {}, "/api/uncertainty"])
+    assert len(base64.b64decode(doubt["rgba"])) == side * side
+
+
 def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> None:
     click = {"points": [206, 155], "size": 1, "adds": True, "fills": True}
     answer = studio.evaluate(ASK, [*encoded(mug()), {"mask_strokes": [click]}])
