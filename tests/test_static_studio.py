@@ -668,6 +668,26 @@ def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(
     assert told["error"] == "the picture is 2048 × 10 pixels; the studio accepts 16 to 2048 a side."
 
 
+def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(built: Path) -> None:
+    with (
+        browser(webgl=False) as opened,
+        serve(built.parent) as address,
+        storage(opened, width=1200, height=700, locale="de-DE") as context,
+    ):
+        page = context.new_page()
+        page.add_init_script("localStorage.setItem('normalgan-view', 'relief')")  # of an earlier visit
+        page.goto(f"{address}/{built.name}/")
+        page.wait_for_selector("html[data-ready]", timeout=120_000)
+        assert page.locator("#view-relief").is_disabled()
+        page.keyboard.press("5")
+        assert page.locator("#view-map").get_attribute("aria-selected") == "true"
+        files = {"name": "a.psd", "mimeType": "application/octet-stream", "buffer": b"8BPS"}
+        page.set_input_files("#import-file", files=[files])  # type: ignore[list-item]
+        page.locator("#problem", has_text="dieser Browser kann das Bild nicht lesen").wait_for()
+        refused = page.evaluate("fetch('/api/height', {method: 'POST'}).then((a) => a.json())")
+        assert "braucht Python" in refused["error"]
+
+
 def test_it_opens_again_without_a_network(built: Path) -> None:
     with browser(webgl=False) as opened, storage(opened, width=1200, height=700) as context:
         with serve(built.parent) as address:

@@ -62,10 +62,10 @@ async function load() {
       else if (data.found) waiting?.resolve(data.found);
       else (waiting?.reject ?? reject)(new Error(data.failed));
     });
-    networks.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
+    networks.addEventListener("error", () => reject(new Error("no_modules")));
   });
   const notes = await fetch(new URL("model.json", import.meta.url));
-  if (!notes.ok) throw new Error("the model cannot be fetched");
+  if (!notes.ok) throw new Error("no_model");
   /** @type {{line_widths: [number, number], structures: string[]}} */
   const { line_widths: widths, structures } = await notes.json();
   // Once loaded, the page works without a network; a stroke with a structure that did not load reports it.
