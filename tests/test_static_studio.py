@@ -212,7 +212,8 @@ def icon(side: int) -> NDArray[np.uint8]:
     cv2.circle(big, (4 * side, 4 * side), round(2.9 * side), (0.8, 0.2, 0.2, 1), -1)
     small = big.reshape(side, 8, side, 8, 4).mean((1, 3))
     small[..., :3] /= np.maximum(small[..., 3:], 1e-4)
-    return np.rint(255 * small).astype(np.uint8)
+    pixels: NDArray[np.uint8] = np.rint(255 * small).astype(np.uint8)
+    return pixels
 
 
 @pytest.mark.parametrize("side", [32, 48, 128])
@@ -668,7 +669,9 @@ def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(
     assert told["error"] == "the picture is 2048 × 10 pixels; the studio accepts 16 to 2048 a side."
 
 
-def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(built: Path) -> None:
+def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(
+    built: Path, tmp_path: Path
+) -> None:
     with (
         browser(webgl=False) as opened,
         serve(built.parent) as address,
@@ -681,8 +684,8 @@ def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(
         assert page.locator("#view-relief").is_disabled()
         page.keyboard.press("5")
         assert page.locator("#view-map").get_attribute("aria-selected") == "true"
-        files = {"name": "a.psd", "mimeType": "application/octet-stream", "buffer": b"8BPS"}
-        page.set_input_files("#import-file", files=[files])  # type: ignore[list-item]
+        (tmp_path / "a.psd").write_bytes(b"8BPS")
+        page.set_input_files("#import-file", files=tmp_path / "a.psd")
         page.locator("#problem", has_text="dieser Browser kann das Bild nicht lesen").wait_for()
         refused = page.evaluate("fetch('/api/height', {method: 'POST'}).then((a) => a.json())")
         assert "braucht Python" in refused["error"]
