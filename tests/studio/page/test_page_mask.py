@@ -136,3 +136,8 @@ def test_areas_and_points_of_a_photo_are_found_on_dark_paper(
         studio.pin(MIDDLE + 55, MIDDLE)  # on the object, and so in the photo's layer
         stored = studio.wait_for_store(lambda each: any(layer["hints"] for layer in each["doc"]["layers"]))
         assert [len(layer["hints"]) for layer in stored["doc"]["layers"]] == [1, 0]
+        page.locator("#point-done").click()
+        page.locator("#layer-list li").first.click()
+        studio.pin(8, 8)  # no line encloses it, but the new layer has none at all
+        stored = studio.wait_for_store(lambda each: len(each["doc"]["layers"][0]["hints"]) == 2)
+        assert not stored["doc"]["layers"][1]["hints"]

@@ -89,11 +89,13 @@ function levelsOf(light, shares) {
 }
 
 /**
- * Returns the front layer whose lines enclose a point; null if none does.
+ * Returns the front layer whose lines enclose a point, or else the only layer with lines; null if there is none.
  * @param {import("./document.js").Doc} doc @param {{x: number, y: number}} at
  */
 export function layerAt(doc, { x, y }) {
-  return doc.layers.findLast((layer) => layer.visible && new Areas().at(doc, layer, x, y)?.open === false) ?? null;
+  const drawn = doc.layers.filter(({ visible, strokes }) => visible && strokes.length);
+  const around = drawn.findLast((layer) => new Areas().at(doc, layer, x, y)?.open === false);
+  return around ?? (drawn.length === 1 ? drawn[0] : null);
 }
 
 /** @param {Uint8Array} area @param {number} width @param {number} height @param {number[]} colour */
