@@ -205,6 +205,38 @@ def test_a_banner_is_the_object_as_in_python(studio: "Page", shape: tuple[int, i
     assert np.count_nonzero(found != wanted) < 20
 
 
+def icon(side: int) -> NDArray[np.uint8]:
+    """A red disc (side, side, 4) with a dark outline on nothing, drawn large and reduced."""
+    big = np.zeros((8 * side, 8 * side, 4), np.float32)
+    cv2.circle(big, (4 * side, 4 * side), round(3.2 * side), (0.1, 0.1, 0.1, 1), -1)
+    cv2.circle(big, (4 * side, 4 * side), round(2.9 * side), (0.8, 0.2, 0.2, 1), -1)
+    small = big.reshape(side, 8, side, 8, 4).mean((1, 3))
+    small[..., :3] /= np.maximum(small[..., 3:], 1e-4)
+    pixels: NDArray[np.uint8] = np.rint(255 * small).astype(np.uint8)
+    return pixels
+
+
+@pytest.mark.parametrize("side", [32, 48, 128])
+def test_an_icon_is_prepared_at_the_size_of_the_model_as_in_python(studio: "Page", side: int) -> None:
+    rgba = icon(side)
+    wanted = python()(rgba)
+    found = decoded(studio.evaluate(ASK, [*encoded(rgba), {}]), (side, side))
+    assert_near(found, wanted, share=0.98, degrees=1)
+    # Strokes too: a drawing on small paper.
+    grey = np.full((side, side), 255, np.uint8)
+    cv2.circle(grey, (side // 2, side // 2), side // 3, (0,), 2, cv2.LINE_AA)
+    assert_alike(studio, grey, [])
+    hints = [{"x": side / 2 + 0.5, "y": side / 2 + 0.5, "normal": [-0.6, 0.0, 0.8]}]
+    assert_alike(studio, grey, hints, degrees=2.5)  # the page holds points exactly
+    cut = {"points": [side / 2, side / 2], "size": side / 8, "adds": False}
+    answer = studio.evaluate(ASK, [*encoded(rgba), {"mask_strokes": [cut]}])
+    mask = decoded(answer, grey.shape)[..., 3] > 127
+    assert not mask[side // 2, side // 2]
+    assert mask[side // 2, side // 2 + side // 5]
+    doubt = studio.evaluate(ASK, [*encoded(grey), {}, "/api/uncertainty"])
+    assert len(base64.b64decode(doubt["rgba"])) == side * side
+
+
 def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> None:
     click = {"points": [206, 155], "size": 1, "adds": True, "fills": True}
     answer = studio.evaluate(ASK, [*encoded(mug()), {"mask_strokes": [click]}])
@@ -635,6 +667,28 @@ def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(
         }"""
     )
     assert told["error"] == "the picture is 2048 × 10 pixels; the studio accepts 16 to 2048 a side."
+
+
+def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(
+    built: Path, tmp_path: Path
+) -> None:
+    with (
+        browser(webgl=False) as opened,
+        serve(built.parent) as address,
+        storage(opened, width=1200, height=700, locale="de-DE") as context,
+    ):
+        page = context.new_page()
+        page.add_init_script("localStorage.setItem('normalgan-view', 'relief')")  # of an earlier visit
+        page.goto(f"{address}/{built.name}/")
+        page.wait_for_selector("html[data-ready]", timeout=120_000)
+        assert page.locator("#view-relief").is_disabled()
+        page.keyboard.press("5")
+        assert page.locator("#view-map").get_attribute("aria-selected") == "true"
+        (tmp_path / "a.psd").write_bytes(b"8BPS")
+        page.set_input_files("#import-file", files=tmp_path / "a.psd")
+        page.locator("#problem", has_text="dieser Browser kann das Bild nicht lesen").wait_for()
+        refused = page.evaluate("fetch('/api/height', {method: 'POST'}).then((a) => a.json())")
+        assert "braucht Python" in refused["error"]
 
 
 def test_it_opens_again_without_a_network(built: Path) -> None:

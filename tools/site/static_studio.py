@@ -47,11 +47,7 @@ MODULES = (
 """Modules that the page's scripts reimplement with the same constants."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
-_ABOUT = (
-    "<p>This studio runs in your browser alone; nothing you draw leaves it, and projects stay in its store. "
-    "The relief, exports but for PNG and files of paint programs need Python, which also cleans photos and "
-    "drawings in colour better: install normalgan and run <code>normalgan studio</code>.</p>"
-)
+_ABOUT = '<p data-text="webAbout"></p>'
 _LEFT_OUT = (
     "<!doctype html><html lang='en'><meta charset='utf-8'><title>normalgan studio</title>"
     "<p>This copy of the site was built without onnxruntime-web, and so without the studio in the browser. "

@@ -11,7 +11,8 @@ import { encodePng, levelsOf, padEdge } from "./png.js";
 const EXPORTS = { map: ["png8", "png16"], lines: ["png"] };
 /** The number of layers whose pixels are kept. */
 const MOST_KEPT = 64;
-const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
+/** Messages for what may go wrong in the workers, by their codes. */
+const SAID = /** @type {const} */ ({ no_model: "webNoModel", no_modules: "webNoModules" });
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /** @typedef {import("./worker.js").Answer} Painted */
 
@@ -32,7 +33,7 @@ const size = new Promise((resolve, reject) => {
     else if (data.lacks) asker?.reject(new Lacking(data.lacks));
     else asker?.reject(new Error(data.failed));
   });
-  worker.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
+  worker.addEventListener("error", () => reject(new Error("no_modules")));
 });
 size.catch(() => {}); // reported with the first request
 
@@ -51,7 +52,7 @@ const findingsHeader = (findings) => ({ "X-Findings": encodeURIComponent(JSON.st
 const json = (value, status = 200, headers = {}) =>
   new Response(JSON.stringify(value), { status, headers: { "Content-Type": "application/json", ...headers } });
 /** @param {string} error @param {number} status */
-const refused = (error, status) => json({ error: `${error.replace(/\.$/, "")}.` }, status);
+const refused = (error, status) => json({ error: error.replace(/[.。]?$/, (end) => end || ".") }, status);
 
 /**
  * @param {string} key of the layer @param {Record<string, any>} fields @param {number} number of the request
@@ -133,8 +134,12 @@ async function drawing(path, body, signal) {
     const { shares, width, height } = await painted(layers, null, { what: "doubt" });
     return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (shares), { headers: { "X-Width": String(width), "X-Height": String(height) } });
   }
-  return refused(LACKS, 501);
+  return needsPython();
 }
+
+/** Loaded late, because the page must not begin before this module. */
+const words = () => import("./text/text.js");
+const needsPython = async () => refused((await words()).text.webPython, 501);
 
 /** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green points down @param {boolean} transparent */
 function png({ width, height, normals = new Float32Array(), mask = new Uint8Array(), covered = new Float32Array() }, bits, down, transparent) {
@@ -151,7 +156,7 @@ async function picture(file) {
   try {
     await image.decode();
   } catch {
-    return refused("this browser cannot read that picture; PNG, JPEG, WebP and SVG go everywhere, and files of paint programs where Python is: install normalgan and run `normalgan studio`", 400);
+    return refused((await words()).text.webPicture, 400);
   } finally {
     URL.revokeObjectURL(image.src);
   }
@@ -159,7 +164,7 @@ async function picture(file) {
   const { least, most } = LIMITS.sides;
   const scale = Math.min(1, most / Math.max(...given));
   const [width, height] = given.map((side) => Math.max(1, Math.round(side * scale)));
-  if (Math.min(width, height) < least) return refused(`the picture is ${width} × ${height} pixels; the studio accepts ${least} to ${most} a side`, 400);
+  if (Math.min(width, height) < least) return refused((await words()).say("webSmall", { width, height, least, most }), 400);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
@@ -179,9 +184,10 @@ async function answer(path, { method = "GET", body, headers, signal }) {
     if (path === "/api/import" && body instanceof Blob) return await picture(body);
     if (body instanceof Blob) return await drawing(path, new Uint8Array(await body.arrayBuffer()), signal);
     if (body instanceof Uint8Array) return await drawing(path, body, signal);
-    return refused(LACKS, 501);
+    return await needsPython();
   } catch (error) {
-    return refused(error instanceof Error ? error.message : String(error), 500);
+    const message = error instanceof Error ? error.message : String(error);
+    return refused(message in SAID ? (await words()).text[SAID[/** @type {keyof typeof SAID} */ (message)]] : message, 500);
   }
 }
 

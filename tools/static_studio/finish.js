@@ -14,7 +14,7 @@ const { CELL, ENLARGED, LARGEST, RIM } = UPSAMPLING;
 const { SWEEPS } = EXTENSION;
 
 /**
- * Returns the normals (x, y, z for each pixel), the mask, and the findings about it.
+ * Returns the normals (x, y, z for each pixel), the mask, both at the map's size, and the findings about it.
  * @param {Prepared} prepared
  * @param {Float32Array} painted three planes, vectors whose length is the probability of an object
  * @param {Refiner} refiner
@@ -48,16 +48,27 @@ export async function finish(prepared, painted, refiner, hand = null) {
   if (!known.some(Boolean)) throw new Unpaintable("no_object");
   if (!inside) throw new Unpaintable("empty_mask");
   const coarse = known.every(Boolean) ? normals : extended(normals, known, needed, frame.size);
-  const out = restored(coarse, prepared, 3);
-  if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
+  const worked = restored(coarse, prepared, 3);
+  if (frame.side > ENLARGED * frame.size) await refine(worked, prepared, mask, refiner);
+  const out = reduced(worked, prepared, 3);
   for (let i = 0; i < out.length; i += 3) {
     out[i + 2] = Math.max(out[i + 2], 0); // no visible surface faces away
     const size = Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]);
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);
   }
-  return { normals: out, mask, covered: coveredBy(prepared, mask), findings };
+  const whole = coveredBy(prepared, mask);
+  const covered = reduced(whole, prepared, 1);
+  return { ...prepared.map, normals: out, mask: covered === whole ? mask : above(covered, 0.5), covered, findings };
 }
+
+/** Brings a picture of the size at which the drawing was worked on to the map's. @param {Float32Array} picture @param {Prepared} prepared @param {number} channels */
+function reduced(picture, { width, height, map }, channels) {
+  return map.width === width && map.height === height ? picture : resized(picture, width, height, map.width, map.height, channels);
+}
+
+/** Returns the model's κ at the map's size. @param {Float32Array} confidence @param {Prepared} prepared */
+export const certaintyOf = (confidence, prepared) => reduced(restored(confidence, prepared, 1), prepared, 1);
 
 /**
  * Returns the mask with the user's strokes applied. A filled area ends where a line begins, so that pixels of the

@@ -16,7 +16,7 @@ const sessions = Object.fromEntries(["ours", "refiner", "reader"].map((name) => 
 /** @param {string} name */
 async function file(name) {
   const answer = await fetch(new URL(name, import.meta.url));
-  if (!answer.ok) throw new Error("the model cannot be fetched");
+  if (!answer.ok) throw new Error("no_model");
   return answer;
 }
 

@@ -8,8 +8,9 @@ import { brightness, inkAt, read } from "./reader.js";
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network sees */
 /**
  * @typedef {object} Prepared
- * @property {number} width
+ * @property {number} width at which the drawing is worked on
  * @property {number} height
+ * @property {{width: number, height: number}} map the map's size, which is smaller for icons
  * @property {Float32Array} ink lines 1, paper 0
  * @property {Uint8Array | null} mask the object, if known
  * @property {Float32Array | null} covered how much of each pixel the object covers, if its outline determines it
@@ -48,7 +49,10 @@ const { SHEET, SURE } = SILHOUETTE;
  */
 export async function prepare(plane, size, source, longest, widths, reader, begin = () => {}) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
-  const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
+  const map = { width: Math.max(1, rint(plane.width * scale)), height: Math.max(1, rint(plane.height * scale)) };
+  // Lines of a tiny sprite are as wide as its details; enlarged, they can be told apart and thinned.
+  const enlarged = Math.max(1, size / Math.max(map.width, map.height));
+  const [width, height] = [map.width, map.height].map((side) => Math.max(1, rint(side * enlarged)));
   const alpha = opacity(plane, width, height);
   // Strokes are ink already, so the network begins before they are read.
   const drawn = plane.channels === 1;
@@ -59,14 +63,14 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   /** @type {Float32Array} */
   let ink = drawn ? grey.map((value) => 1 - value) : inkAt(/** @type {import("./reader.js").Reading} */ (await asked), grey, width, height);
   if (opaque) {
-    const line = contour(opaque, width, height);
+    const line = contour(opaque, width, height, width / plane.width);
     ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
   }
   const frame = frameAround(ink, width, height, size);
   if (!frame || !ink.some((value) => value >= LEAST)) throw new Unpaintable("no_lines");
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
-  const rest = { width, height, ink, frame, seen, unsure: [], alpha: null, covered: null };
+  const rest = { width, height, map, ink, frame, seen, unsure: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, source ? null : await asked) };
@@ -127,10 +131,13 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
   return inked / all <= covered / Math.max(present, 1) + SURE;
 }
 
-/** Returns a line just inside a silhouette. @param {Uint8Array} opaque @param {number} width @param {number} height */
-function contour(opaque, width, height) {
+/**
+ * Returns a line just inside a silhouette, which covers the half-transparent pixels at its edge.
+ * @param {Uint8Array} opaque @param {number} width @param {number} height @param {number} pixel side of the drawing's pixels in these
+ */
+function contour(opaque, width, height, pixel) {
   const [left, top, right, bottom] = boxOf(opaque, width, height) ?? [0, 0, 1, 1];
-  const wide = Math.max(Math.max(right - left, bottom - top) / 250, 1.5);
+  const wide = Math.max(Math.max(right - left, bottom - top) / 250, 1.5 * pixel);
   return distance(opaque, width, height, true).map((depth, i) => (opaque[i] ? Math.max(0, Math.min(1, wide + 0.5 - depth)) : 0));
 }
 

@@ -3,7 +3,7 @@
 import { compose } from "./compose.js";
 import { expectedError, waysToSee } from "./context.js";
 import { tileOf } from "./drawing/structures.js";
-import { finish, hintsOff, restored } from "./finish.js";
+import { certaintyOf, finish, hintsOff } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
 import { doubt, suggest } from "./suggest.js";
@@ -62,10 +62,10 @@ async function load() {
       else if (data.found) waiting?.resolve(data.found);
       else (waiting?.reject ?? reject)(new Error(data.failed));
     });
-    networks.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
+    networks.addEventListener("error", () => reject(new Error("no_modules")));
   });
   const notes = await fetch(new URL("model.json", import.meta.url));
-  if (!notes.ok) throw new Error("the model cannot be fetched");
+  if (!notes.ok) throw new Error("no_model");
   /** @type {{line_widths: [number, number], structures: string[]}} */
   const { line_widths: widths, structures } = await notes.json();
   // Once loaded, the page works without a network; a stroke with a structure that did not load reports it.
@@ -131,19 +131,20 @@ async function prepareLayer({ ink, source, hints }, longest, alone) {
 async function paintLayer({ ink, strokes, hints, areas, form, structures }, ways, key) {
   const { size } = await ready;
   return recalled(painted, key, async () => {
-    const { width, height } = ways[0];
-    const scale = width / ink.width;
+    const { width: wide, height: high } = ways[0];
+    const enlarged = wide / ink.width;
     const tried = [];
     for (const lines of ways) {
-      const { normal, confidence } = await infer(lines.seen, hintPlanes(hints, scale, lines.frame), size);
+      const { normal, confidence } = await infer(lines.seen, hintPlanes(hints, enlarged, lines.frame), size);
       tried.push({ lines, normal, confidence });
     }
     const [{ lines, normal, confidence }] = ways.length > 1 ? byError(tried) : tried;
-    const { normals, mask, covered, findings: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
+    const { normals, mask, covered, width, height, findings: said } = await finish(lines, normal, refiner, byHand(strokes, wide, high, enlarged, lines.ink));
+    const scale = width / ink.width;
     const findings = [...said, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
     hold({ normals, mask, width, height }, hints, areas, form, scale, await tilesOf(areas, structures));
     // Few requests need it, and it is as large as the map.
-    return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => restored(confidence, lines, 1) };
+    return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => certaintyOf(confidence, lines) };
   });
 }
 

@@ -169,6 +169,23 @@ def test_tooltips_name_the_keys_and_the_help_begins_at_its_start(opened: "Browse
         assert page.locator("#help-title").evaluate("e => e === document.activeElement")
 
 
+def test_on_a_telephone_the_bar_of_the_light_covers_nothing_of_the_result(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url, width=390, height=844) as studio:
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        page = studio.page
+        page.locator("#layout-both").click()
+        page.locator("#view-lit").click()
+        lamp, result = page.locator("#lamp").bounding_box(), page.locator("#viewer").bounding_box()
+        assert lamp is not None
+        assert result is not None
+        assert lamp["y"] + lamp["height"] <= result["y"]
+        assert result["height"] > 120
+
+
 def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url, width=390, height=844) as studio:
         studio.new()

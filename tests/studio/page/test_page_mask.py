@@ -1,11 +1,13 @@
 """The mask brush on the studio's page: it adds to the object, cuts from it, and closes open outlines."""
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import RADIUS, SIDE, Server, Studio, open_studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -106,3 +108,36 @@ def test_a_click_makes_an_area_a_hole_and_object_again(opened: "Browser", server
         with studio.saying("open to the paper's edge"):
             page.mouse.click(*studio.on_board(8, 8))
         assert page.locator("#mask-clear").is_disabled()
+
+
+def test_areas_and_points_of_a_photo_are_found_on_dark_paper(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    photo = np.full((SIDE, SIDE, 3), (128, 136, 140), np.uint8)
+    middle = SIDE // 2, SIDE // 2
+    for radius in (RADIUS, 30):
+        cv2.circle(photo, middle, radius, (90, 40, 50), 5, cv2.LINE_AA)
+    cv2.imwrite(str(tmp_path / "photo.png"), photo)
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        page.set_input_files("#import-file", files=tmp_path / "photo.png")
+        with studio.repainting():
+            page.locator("#choose button[value=drawing]").click()
+        studio.size = SIDE, SIDE
+        before = is_object(studio, MIDDLE, MIDDLE)
+        page.keyboard.press("m")
+        with studio.repainting():
+            page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+        assert is_object(studio, MIDDLE, MIDDLE) is not before
+        assert is_object(studio, MIDDLE + 20, MIDDLE) is not before
+        assert is_object(studio, MIDDLE + 55, MIDDLE)
+        page.locator("#layers-toggle").click()
+        page.locator("#layer-add").click()
+        studio.pin(MIDDLE + 55, MIDDLE)  # on the object, and so in the photo's layer
+        stored = studio.wait_for_store(lambda each: any(layer["hints"] for layer in each["doc"]["layers"]))
+        assert [len(layer["hints"]) for layer in stored["doc"]["layers"]] == [1, 0]
+        page.locator("#point-done").click()
+        page.locator("#layer-list li").first.click()
+        studio.pin(8, 8)  # no line encloses it, but the new layer has none at all
+        stored = studio.wait_for_store(lambda each: len(each["doc"]["layers"][0]["hints"]) == 2)
+        assert not stored["doc"]["layers"][1]["hints"]

@@ -84,6 +84,50 @@ def test_a_project_is_saved_as_another_one(opened: "Browser", server: Server) ->
         assert page.locator(".project", has_text="fox").count() == 1
 
 
+def test_a_project_is_renamed_in_the_gallery_and_by_its_title_and_back(
+    opened: "Browser", server: Server
+) -> None:
+    tolerate = ("status of 412",)
+    with open_studio(opened, server.url, tolerate=tolerate) as studio:
+        page = studio.page
+        for name in ("vixen", "fox"):
+            studio.new()
+            studio.circle()
+            studio.save_as(name)
+        studio.line((20, 20), (60, 20))  # not saved
+        page.locator("#open").click()
+        page.locator(".project", has_text="fox").wait_for()
+
+        def rename(name: str) -> None:
+            page.locator("#name-field").fill(name)
+            page.keyboard.press("Enter")
+
+        page.get_by_role("button", name="Rename fox").click()
+        rename("vixen")
+        page.locator("#problem", has_text="already exists").wait_for()  # and both are as they were
+        page.get_by_role("button", name="Rename fox").click()
+        rename("wolf")
+        page.locator(".project", has_text="wolf").wait_for()
+        assert page.locator(".project", has_text="fox").count() == 0
+        assert page.locator("#project-name").inner_text() == "wolf"
+        page.locator("#toast button").click()  # undone, from within the gallery
+        page.locator(".project", has_text="fox").wait_for()
+        assert page.locator(".project").count() == 2
+        studio.dismiss("open")
+        page.locator("#project-name").dblclick()
+        rename("badger")
+        page.locator("#toast", has_text="badger").wait_for()
+        with studio.saying("Saved “badger”."):
+            page.keyboard.press("Control+s")
+        page.keyboard.press("Control+z")  # the name is not a step in history
+        assert page.locator("#project-name").inner_text() == "badger"
+        page.locator("#open").click()
+        page.locator(".project", has_text="badger").wait_for()
+        assert sorted(page.locator(".project strong").all_inner_texts()) == ["badger", "vixen"]
+        studio.dismiss("open")
+        page.keyboard.press("Control+s")
+
+
 def test_a_drawing_named_on_the_command_line_is_opened_once_in_a_tab(
     opened: "Browser", tmp_path: Path
 ) -> None:

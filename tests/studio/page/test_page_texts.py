@@ -1,6 +1,7 @@
 """The page's words: each is used, each that is used is there, and each language has all of them."""
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -15,6 +16,7 @@ from normalgan.studio.page_files import PAGE
 from normalgan.studio.predictions.exports import with_export_menu
 
 TEXTS = PAGE / "text"
+STATIC = Path(__file__).parents[3] / "tools" / "static_studio"
 CUT_OFF = """() => [...document.querySelectorAll(".options > .quiet, #outcome > .bar")]
   .filter((each) => each.checkVisibility({ opacityProperty: true }))
   .filter((each) => each.scrollHeight > each.clientHeight + 1 || each.scrollWidth > each.clientWidth)
@@ -26,8 +28,10 @@ def test_no_words_are_left_over_and_none_are_missing() -> None:
     words = (TEXTS / "text.js").read_text(encoding="utf-8")
     known = set(re.findall(r"^  (\w+):", words, re.M)) - {"viewerTexts"}
     scripts = [path for path in PAGE.rglob("*.js") if path.parent != TEXTS]
+    scripts += STATIC.glob("*.js")  # of the page without a server
     others = "".join(path.read_text(encoding="utf-8") for path in scripts)
     markup = with_export_menu((PAGE / "index.html").read_text(encoding="utf-8"))
+    markup += (STATIC.parent / "site" / "static_studio.py").read_text(encoding="utf-8")
     named = set(re.findall(r'data-(?:text|label)="(\w+)"', markup))
     named |= {each for formats in re.findall(r'data-formats="([^"]+)"', markup) for each in formats.split()}
     named |= set(re.findall(r'(?:\btext\.|\bsay\(")(?!js\b)(\w+)', others)) - {"viewerTexts"}

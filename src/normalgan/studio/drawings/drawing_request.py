@@ -16,6 +16,7 @@ from pydantic_core import to_json
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.edits import (
     REACH,
     SOFT,
@@ -117,17 +118,17 @@ class DrawingRequest:
             return picture, self.mask
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
-    def read_mask(self, picture: Picture) -> NDArray[np.int8] | None:
+    def read_mask(self, picture: Picture, reading: Reading | None) -> NDArray[np.int8] | None:
         """Return the mask edits (H, W): 1 where a stroke adds, -1 where it cuts; None without strokes.
 
         Args:
             picture: the drawing.
+            reading: the reader's output, which separates lines from dark paper; None for strokes.
         """
         if not self.fields.mask_strokes:
             return None
-        dark = 1 - picture.colour.min(-1)
-        inked = (dark if picture.alpha is None else dark * picture.alpha) > INKED
-        return paint_mask(inked, (each.stroke for each in self.fields.mask_strokes))
+        ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
+        return paint_mask(ink > INKED, (each.stroke for each in self.fields.mask_strokes))
 
     def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
         """Return a predicted map with the form, then the areas in order, then the exact pins applied.

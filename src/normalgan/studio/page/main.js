@@ -233,6 +233,7 @@ $("keys").replaceChildren(...rows);
 teach(editor, predictor, result);
 const served = about().then(({ version, model, exports }) => {
   if (exports) exporting.offer(exports);
+  if (exports && !("height" in exports)) result.withoutRelief();
   $("about").textContent = say("about", { version, model: model.name });
   status.ready();
 }).catch((error) => status.fail(error));

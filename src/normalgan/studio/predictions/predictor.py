@@ -174,7 +174,8 @@ class DrawingPredictor:
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
-            by_hand = drawing.read_mask(picture)
+            reading = None if drawing.drawn else read(picture)
+            by_hand = drawing.read_mask(picture, reading)
             hints = drawing.read_hints(picture.shape)
 
             def infer_ahead(prepared: Prepared) -> None:
@@ -185,6 +186,7 @@ class DrawingPredictor:
                 *(picture, self.model.size, mask, None, longest, by_hand),
                 line_widths=self.model.line_widths,
                 clean_strokes=drawing.drawn,
+                reading=reading,
                 on_model_input=infer_ahead,
             )
             several = several_figures(prepared, picture) if drawing.mask in {None, READER} else ()

@@ -5,8 +5,12 @@ import { inkAt } from "./ink.js";
 
 /** Longer side in pixels at which areas are searched while the pointer moves. */
 const SIDE = 512;
-/** Minimum ink, 0 to 255, of a line that separates two areas. */
-const INKED = 90;
+/** Minimum darkness of a line that separates two areas: 0 as the paper, 1 as the darkest ink. */
+const INKED = 0.35;
+/** Share of a picture's pixels that are its darkest ink. */
+const DARKEST = 0.01;
+/** Minimum difference between paper and ink in levels; less is grain. */
+const CONTRAST = 48;
 const OBJECT = [91, 98, 224, 115];
 const HOLE = [208, 52, 44, 90];
 
@@ -31,15 +35,7 @@ export class Areas {
     if (x < 0 || y < 0 || x >= width || y >= height || !strokes.length) return null;
     if (this.lines?.strokes !== strokes || this.lines.width !== width || this.lines.height !== height) {
       const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
-      const { channels, bytes } = pixels();
-      const count = canvas.width * canvas.height;
-      // Dark pixels of any colour are lines, as on the server.
-      const inked = Uint8Array.from({ length: count }, (_, i) => {
-        if (channels === 1) return 255 - bytes[i] > INKED ? 1 : 0;
-        const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
-        return ((255 - Math.min(red, green, blue)) * alpha) / 255 > INKED ? 1 : 0;
-      });
-      this.lines = { strokes, width, height, inked, wide: canvas.width, high: canvas.height };
+      this.lines = { strokes, width, height, inked: inkedIn(pixels()), wide: canvas.width, high: canvas.height };
     }
     const { lines } = this;
     const { inked, wide, high } = lines;
@@ -68,12 +64,38 @@ export class Areas {
   }
 }
 
+/** Returns where there are lines: pixels of any colour that are dark compared with the paper, which may be photographed. @param {{channels: 1 | 4, bytes: Uint8Array}} pixels */
+function inkedIn({ channels, bytes }) {
+  const light = Uint8Array.from({ length: bytes.length / channels }, (_, i) => {
+    if (channels === 1) return bytes[i];
+    const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
+    return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
+  });
+  // The paper covers most of a picture.
+  const [dark, paper] = channels === 1 ? [0, 255] : levelsOf(light, [DARKEST, 0.5]);
+  const least = INKED * Math.max(paper - dark, CONTRAST);
+  return light.map((level) => Number(paper - level > least));
+}
+
+/** Returns the levels below which these shares of the pixels lie, in ascending order. @param {Uint8Array} light @param {number[]} shares */
+function levelsOf(light, shares) {
+  const counts = new Uint32Array(256);
+  for (const level of light) counts[level] += 1;
+  let [level, below] = [0, counts[0]];
+  return shares.map((share) => {
+    while (below < share * light.length && level < 255) below += counts[++level];
+    return level;
+  });
+}
+
 /**
- * Returns the front layer whose lines enclose a point; null if none does.
+ * Returns the front layer whose lines enclose a point, or else the only layer with lines; null if there is none.
  * @param {import("./document.js").Doc} doc @param {{x: number, y: number}} at
  */
 export function layerAt(doc, { x, y }) {
-  return doc.layers.findLast((layer) => layer.visible && new Areas().at(doc, layer, x, y)?.open === false) ?? null;
+  const drawn = doc.layers.filter(({ visible, strokes }) => visible && strokes.length);
+  const around = drawn.findLast((layer) => new Areas().at(doc, layer, x, y)?.open === false);
+  return around ?? (drawn.length === 1 ? drawn[0] : null);
 }
 
 /** @param {Uint8Array} area @param {number} width @param {number} height @param {number[]} colour */

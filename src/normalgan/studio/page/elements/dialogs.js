@@ -40,13 +40,15 @@ function ask(title, body, ways, more) {
 
 /**
  * Asks for a project's name.
- * @param {string} before
+ * @param {string} before @param {string} [title] @param {string} [yes] words of the button
  * @returns {Promise<string>} the name, or "" if it was dismissed
  */
-export async function askName(before) {
+export async function askName(before, title = text.saveTitle, yes = text.save) {
   /** @type {HTMLInputElement} */
   const field = $("name-field");
   field.value = before;
+  $("save-title").textContent = title;
+  $("save-yes").textContent = yes;
   const answer = open($("save-dialog"));
   field.select();
   return (await answer) ? field.value.trim() : "";

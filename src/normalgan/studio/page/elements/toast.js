@@ -44,6 +44,11 @@ export function toast(words, ways, ended = () => {}) {
   });
   $("toast-words").textContent = words;
   $("toast-ways").replaceChildren(...buttons);
+  // Behind an open dialog, the buttons could not be pressed.
+  const page = document.querySelector("main");
+  const dialog = document.querySelector("dialog[open]");
+  (dialog ?? page)?.append(box);
+  dialog?.addEventListener("close", () => page?.append(box), { once: true });
   box.hidden = false;
   makeRoom(box.offsetHeight + GAP);
   wait();

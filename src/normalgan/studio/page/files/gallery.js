@@ -18,7 +18,7 @@ export const SIDE = 192;
  * @property {string} key changes when the picture does
  * @property {(canvas: HTMLCanvasElement, note: (words: string) => void) => Promise<void>} draw may write below the name
  * @property {() => void} open
- * @property {{words: string, act: () => void}} [remove]
+ * @property {{icon: Parameters<typeof icon>[0], words: string, act: () => void}[]} [ways] buttons on its picture
  */
 
 /** @type {Map<string, {canvas: HTMLCanvasElement, words: string}>} drawn pictures and their notes, by the keys of the tiles */
@@ -49,19 +49,19 @@ export function showTiles(list, tiles) {
       });
     }
   });
-  list.replaceChildren(...tiles.map(({ name, note, key, open, remove }) => {
+  list.replaceChildren(...tiles.map(({ name, note, key, open, ways = [] }) => {
     const before = drawn.get(key);
     const canvas = before?.canvas ?? make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
     const below = make("span", { text: note ?? before?.words ?? "" });
     const button = make("button", { type: "button", class: "project", title: name }, canvas, make("strong", { text: name }), below);
     button.addEventListener("click", open);
     const item = make("li", {}, button);
-    if (remove) {
-      const bin = make("button", { type: "button" }, icon("remove"));
-      label(bin, remove.words);
-      bin.addEventListener("click", remove.act);
-      item.append(bin);
-    }
+    if (ways.length) item.append(make("div", { class: "group" }, ...ways.map((way) => {
+      const small = make("button", { type: "button" }, icon(way.icon));
+      label(small, way.words);
+      small.addEventListener("click", way.act);
+      return small;
+    })));
     if (!before) seen.observe(item);
     return item;
   }));

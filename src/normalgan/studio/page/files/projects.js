@@ -38,6 +38,8 @@ export class Projects {
     $("open-file").addEventListener("change", () => this.#openFile());
     $("open-file-button").addEventListener("click", () => $("open-file").click());
     $("download-project").addEventListener("click", () => this.download());
+    $("project-name").title = text.renameHow;
+    $("project-name").addEventListener("dblclick", () => (this.name ? this.rename(this.name) : this.saveAs()));
   }
 
   get name() {
@@ -190,7 +192,10 @@ export class Projects {
         dialog.close(); // the user may draw while it is loading
         this.open(name);
       },
-      remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
+      ways: [
+        { icon: "pen", words: say("renameProject", { name }), act: () => this.rename(name) },
+        { icon: "remove", words: say("deleteProject", { name }), act: () => this.#remove(name) },
+      ],
     })));
   }
 
@@ -217,6 +222,44 @@ export class Projects {
   /** @param {string | null} name of the project that this tab shows, or null */
   #remember(name) {
     tabRemembers(SHOWN, name);
+  }
+
+  /** Asks for another name of a project. @param {string} name */
+  async rename(name) {
+    const after = await askName(name, text.renameTitle, text.rename);
+    if (after && after !== name && (await this.#move(name, after))) {
+      toast(say("renamed", { before: name, name: after }), [{ text: text.undoIt, act: () => { this.#move(after, name); } }]);
+    }
+  }
+
+  /** Gives a project another name; unsaved changes stay unsaved. @param {string} before @param {string} name @returns {Promise<boolean>} whether it has it */
+  async #move(before, name) {
+    try {
+      const { doc, etag } = await projects.read(before);
+      const renamed = await projects.write(name, { ...doc, settings: { ...doc.settings, name } }, null);
+      await projects.remove(before, etag);
+      if (before === this.name) await this.#called(name, renamed);
+    } catch (error) {
+      if (error instanceof Refused && error.status === CONFLICT) this.status.say(say("taken", { name }), "warning");
+      else this.status.fail(error);
+      return false;
+    } finally {
+      if ($("open-dialog").matches("[open]")) await this.choose();
+    }
+    return true;
+  }
+
+  /** Takes over the new name of the project that this tab shows. @param {string} name @param {string | null} etag */
+  async #called(name, etag) {
+    const { autosave, editor: { history } } = this;
+    const { dirty } = autosave;
+    this.etag = etag;
+    this.#remember(name);
+    // Not a step in history, as when it is saved.
+    history.states = history.states.map((state) => withSettings(state, { name }));
+    if (!dirty) autosave.clean = history.state;
+    this.editor.dispatchEvent(new CustomEvent("state"));
+    if (dirty) await autosave.secure();
   }
 
   /** @param {string} name */

@@ -4,7 +4,7 @@ import { $ } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
 import { reasonOf } from "../elements/status.js";
 import { Lacking } from "../server/api.js";
-import { say, text } from "../text/text.js";
+import { say, sentence, text } from "../text/text.js";
 import { followFindings } from "./findings.js";
 import { Viewer } from "./viewer.js";
 
@@ -61,8 +61,18 @@ export class Result extends EventTarget {
     this.show(VIEWS.includes(before) ? before : "map");
   }
 
+  /** Disables the relief, which cannot be raised here. */
+  withoutRelief() {
+    const tab = this.#tabs().find((each) => viewOf(each) === "relief");
+    if (!tab) return;
+    tab.toggleAttribute("disabled", true);
+    tab.title = sentence(text.webPython);
+    if (this.view === "relief") this.show("map");
+  }
+
   /** @param {View} view */
   show(view) {
+    if (this.#tabs().some((tab) => viewOf(tab) === view && tab.hasAttribute("disabled"))) return;
     for (const tab of this.#tabs()) {
       const chosen = tab.dataset.view === view;
       tab.setAttribute("aria-selected", String(chosen));
@@ -96,7 +106,7 @@ export class Result extends EventTarget {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (!step) return;
     event.preventDefault();
-    const tabs = this.#tabs();
+    const tabs = this.#tabs().filter((each) => !each.hasAttribute("disabled"));
     const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
     next.focus();
     this.show(viewOf(next));
