@@ -53,6 +53,17 @@ def test_normals_and_heights_are_turned_into_each_other(hill: Path, tmp_path: Pa
     assert off(normals, NORMALS) < 1.5
 
 
+@pytest.mark.parametrize("middle", [127, 128])
+def test_the_heights_of_a_flat_area_are_level(tmp_path: Path, middle: int) -> None:
+    flat = np.full((60, 300, 3), [255, middle, middle], np.uint8)  # blue first
+    cv2.imwrite(str(tmp_path / "flat.png"), flat)
+    height = tmp_path / "height.tiff"
+    assert main(["convert", str(tmp_path / "flat.png"), "-o", str(height), "--to", "height"]) == 0
+    found = cv2.imread(str(height), cv2.IMREAD_UNCHANGED)
+    assert found is not None
+    assert np.ptp(found) < 0.01
+
+
 def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Path) -> None:
     tilt = np.broadcast_to(np.array([0.6, 0, 0.8], np.float32), (10, 10, 3))
     detail, out = tmp_path / "detail.png", tmp_path / "out.png"

@@ -305,6 +305,17 @@ def test_hints_off_the_object_are_told_with_their_places(model: Path) -> None:
     )
 
 
+def crossed_once(picture: Picture) -> float:
+    """Return the fraction of directions from the input's middle that cross one line."""
+    ink = prepare(picture, 256).model_input > 0.5
+    crossed = []
+    for turn in np.linspace(0, 2 * np.pi, 32, endpoint=False):
+        along = 128 + np.arange(0, 126, 0.5)[:, None] * [np.cos(turn), np.sin(turn)]
+        column, row = along.astype(int).T
+        crossed.append(np.count_nonzero(np.diff(ink[row, column].astype(int)) == 1))
+    return float(np.mean(np.equal(crossed, 1)))
+
+
 @pytest.mark.parametrize("side", [32, 48])
 def test_the_outline_of_a_tiny_icon_is_one_line(side: int) -> None:
     big = np.zeros((8 * side, 8 * side, 4), np.float32)
@@ -312,10 +323,14 @@ def test_the_outline_of_a_tiny_icon_is_one_line(side: int) -> None:
     cv2.circle(big, (4 * side, 4 * side), round(2.9 * side), (0.8, 0.2, 0.2, 1), -1)
     small = big.reshape(side, 8, side, 8, 4).mean((1, 3))
     colour = small[..., :3] / np.maximum(small[..., 3:], 1e-4)
-    ink = prepare(Picture(colour, small[..., 3]), 256).model_input > 0.5
-    crossed = []
-    for turn in np.linspace(0, 2 * np.pi, 32, endpoint=False):
-        along = 128 + np.arange(0, 126, 0.5)[:, None] * [np.cos(turn), np.sin(turn)]
-        column, row = along.astype(int).T
-        crossed.append(np.count_nonzero(np.diff(ink[row, column].astype(int)) == 1))
-    assert np.mean(np.equal(crossed, 1)) > 0.9
+    assert crossed_once(Picture(colour, small[..., 3])) > 0.9
+
+
+@pytest.mark.parametrize("around", [1, 16])
+def test_a_sprite_of_few_art_pixels_has_one_outline(around: int) -> None:
+    side = 14 + 2 * around
+    apart = np.hypot(*(np.mgrid[:side, :side] + 0.5 - side / 2))
+    there = apart < 7
+    inner = cv2.erode(there.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
+    colour = np.where(inner[..., None], [0.3, 0.7, 0.3], 0.1).astype(np.float32)
+    assert crossed_once(Picture(colour, there.astype(np.float32))) > 0.9

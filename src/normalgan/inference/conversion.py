@@ -12,6 +12,9 @@ from normalgan.inference.reading.drawings import read_normals, read_pixels, to_u
 from normalgan.inference.vectors import unit
 from normalgan.normals import Green
 
+_FLAT: Floats = np.array([0, 0, 1], np.float32)
+"""The normal that the middle levels of a PNG with 8 bits, 127 and 128, stand for."""
+
 
 def read_map(path: str | Path, green: Green = "up") -> NormalMap:
     """Return the normal map in a file as a `NormalMap`.
@@ -25,6 +28,9 @@ def read_map(path: str | Path, green: Green = "up") -> NormalMap:
     """
     _check_single(path)
     found, alpha = read_normals(path, green)
+    # 256 levels have no middle, so that a flat area would rise by a pixel in every 255.
+    middle = (np.abs(np.abs(found[..., :2]) - 1 / 255) < 1e-6).all(-1)
+    found = np.where((middle & (found[..., 2] >= 1))[..., None], _FLAT, found)
     return _map(unit(np.ascontiguousarray(found), front=True), alpha)
 
 

@@ -14,7 +14,7 @@ from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import figures_of
-from normalgan.inference.composites.layered_job import LayeredJob, layered_target
+from normalgan.inference.composites.layered_job import LayeredJob, files_of_layers, layered_target
 from normalgan.inference.composites.packing import OWN, Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series, prepare_member
 from normalgan.inference.composites.sheets import drawings_in, predict_sheet
@@ -417,15 +417,19 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
 
 def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Iterator[Path]:
     """Yield the output files of a job; of an animation, only the map and the first frame's other outputs."""
+    drawing = Drawing(job.files.drawing, job.files.content)
     try:
         target = target_of(job, outputs, packing, layers)
-        moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None
+        moves = not packing.given and drawing.moving is not None
+        of_layers = dict.fromkeys(files_of_layers(job, drawing, outputs) if layers else ())
     except InputError:  # raised again by the prediction, which then writes nothing
         return
+    if layers:
+        yield from dict.fromkeys([target, *of_layers])
+        return
     yield target
-    if not layers:
-        first = job.numbered(1, outputs.ending) if moves else job
-        yield from (first.path_with(ending) for ending in outputs.other_endings)
+    first = job.numbered(1, outputs.ending) if moves else job
+    yield from (first.path_with(ending) for ending in outputs.other_endings)
 
 
 def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:

@@ -158,6 +158,23 @@ def test_what_a_layered_file_cannot_hold_is_written_one_a_layer(here: Path) -> N
     assert generate("fox.psd", "--layers", "--bits", "16", "--skip-existing") == 0
 
 
+def test_each_layers_file_is_named_and_missed(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("fox.psd").write_bytes(encode_layers("psd", SHAPE, STACK))
+    names = [
+        Path(f"normals/fox_{layer}_{kind}.png")
+        for layer in ("02_body", "03_limbs_arm_hand", "04_hat")
+        for kind in ("normal", "height")
+    ]
+    arguments = "fox.psd", "--layers", "--bits", "16", "--height", "png"
+    assert generate(*arguments, "--dry-run") == 0
+    assert capsys.readouterr().out == f"fox.psd -> {', '.join(map(str, names))}\n"
+    assert generate(*arguments) == 0
+    for lost in names:
+        lost.unlink()
+        assert generate(*arguments, "--skip-existing") == 0
+        assert lost.exists()
+
+
 def test_layers_of_an_animation_move(here: Path) -> None:
     moving = [
         layer("body", drawn((50, 44), 26), 0, frame=0),

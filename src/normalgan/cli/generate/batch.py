@@ -89,7 +89,8 @@ class DrawingBatch:
                 failed += 1
                 tell(_sentence(job, error))
             else:
-                print(printable(f"{job.files.drawing}{''.join(extras)} -> {target}"))
+                written = ", ".join(map(str, self._written_for(job)))
+                print(printable(f"{job.files.drawing}{''.join(extras)} -> {written}"))
         return failed
 
     def predict(
@@ -217,11 +218,14 @@ class DrawingBatch:
     def _target(self, job: Job) -> Path:
         return target_of(job, self._outputs, self._packing, self._by_layers(job))
 
+    def _written_for(self, job: Job) -> list[Path]:
+        return list(written_for(job, self._outputs, self._packing, self._by_layers(job)))
+
     def _by_layers(self, job: Job) -> bool:
         return by_layers(job, self._settings.layers, self._mixed)
 
     def _is_complete(self, job: Job) -> bool:
-        files = list(written_for(job, self._outputs, self._packing, self._by_layers(job)))
+        files = self._written_for(job)
         return bool(files) and all(each.exists() for each in files)
 
 

@@ -1,7 +1,7 @@
 """Layered job: predict each visible layer of a file and write the results."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -174,6 +174,23 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     if target.resolve() == drawing.path.resolve():
         raise overwritten(target)
     return target
+
+
+def files_of_layers(job: Job, drawing: Drawing, outputs: Outputs) -> Iterator[Path]:
+    """Yield the output files of all layers and frames, besides a layered file.
+
+    Raises:
+        InputError: if the file has no layers.
+    """
+    if outputs.normal.plain and not outputs.other_endings:
+        return  # decoding the layers of a large file takes seconds
+    found = drawing.layers
+    for layer in found.layers:
+        if not is_plain(layer, found.shape):
+            own = _job_of(job, layer, outputs.ending, len(found.durations))
+            if not outputs.normal.plain:
+                yield own.target
+            yield from (own.path_with(ending) for ending in outputs.other_endings)
 
 
 def _job_of(job: Job, layer: DecodedLayer, ending: str, frames: int) -> Job:
