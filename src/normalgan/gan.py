@@ -154,8 +154,9 @@ class NormalGAN(SavedSettings, EvaluationSteps, ManualOptimization):
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage, and compile the generator if the settings ask for it."""
         super().setup(stage)
-        compiles = stage == "fit" and self.compile_generator
-        self._generate = compiled_predict(self.generator, self.compile_generator) if compiles else None
+        self._generate = None
+        if stage == "fit" and self.compile_generator:
+            self._generate = compiled_predict(self.generator, self.compile_generator)
         self.make_metrics(stage)
 
     def teardown(self, stage: str) -> None:
