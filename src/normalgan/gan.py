@@ -7,7 +7,7 @@ from functools import partial
 from typing import Annotated, cast
 
 import torch
-from lightning.pytorch.callbacks import LearningRateFinder
+from lightning.pytorch.callbacks import Callback, GradientAccumulationScheduler, LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
@@ -43,6 +43,12 @@ ADVERSARIAL_SHARE = "train/adversarial_share"
 
 _MONITOR = "val/hints/angular_mean"
 """Metric that a schedule follows if no checkpoint callback names one."""
+
+_INSTEAD: dict[type[Callback], str] = {
+    GradientAccumulationScheduler: "use a larger data.batch_size",
+    LearningRateFinder: "compare rates with a sweep",
+}
+"""Callbacks that work only if Lightning steps the optimisers, and what to do instead."""
 
 
 def _rmsprop(parameters: object) -> Optimizer:
@@ -80,7 +86,7 @@ class NormalGAN(SavedSettings, EvaluationSteps):
             generator steps, at the generator's weights (``train/adversarial_share``) and at the predicted
             directions (``train/adversarial_share_output``). Such a step takes two more backward passes; 0
             logs none.
-        noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
+        noise_at_test: keep the noise z (dropout of any kind) on when testing and predicting, as pix2pix does.
         seed: seed of the hints and of the noise.
         refined: whether the package's refiner sharpens its maps when they are enlarged to a drawing's size.
             The refiner was trained for the shipped weights.
@@ -161,6 +167,7 @@ class NormalGAN(SavedSettings, EvaluationSteps):
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage, and compile the generator if the settings ask for it."""
         self._generate = None
+        self.check_precision()
         if stage == "fit":
             _check_callbacks(getattr(self.trainer, "callbacks", []))
             if self.compile_generator:
@@ -404,11 +411,12 @@ def _check_callbacks(callbacks: Iterable[object]) -> None:
         InputError: if there is such a callback.
     """
     for callback in callbacks:
-        if isinstance(callback, LearningRateFinder):
-            raise InputError(
-                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates with a sweep."
-            )
+        for kind, instead in _INSTEAD.items():
+            if isinstance(callback, kind):
+                raise InputError(
+                    f"{kind.__name__} cannot be used, because NormalGAN steps its optimisers by hand; "
+                    f"{instead}."
+                )
 
 
 def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
