@@ -380,7 +380,7 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
 
 
 def flip_red_of(folder: Path) -> None:
-    repaint(folder, lambda vectors: vectors * np.float32([-1, 1, 1]))
+    repaint(folder, lambda vectors: vectors * np.array([-1, 1, 1], np.float32))
 
 
 def exchange_red_and_green_of(folder: Path) -> None:
@@ -388,7 +388,7 @@ def exchange_red_and_green_of(folder: Path) -> None:
 
 
 def turn_a_quarter(folder: Path) -> None:
-    repaint(folder, lambda vectors: vectors[..., [1, 0, 2]] * np.float32([-1, 1, 1]))
+    repaint(folder, lambda vectors: vectors[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32))
 
 
 def repaint(folder: Path, change: Callable[[Floats], Floats]) -> None:
@@ -639,7 +639,7 @@ def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:
 
 def test_a_bowl_seen_from_above_is_not_refused_for_its_directions() -> None:
     ink, vectors = ellipsoid(1)
-    bowl = vectors * np.float32([-1, -1, 1])
+    bowl = vectors * np.array([-1, -1, 1], np.float32)
     assert np.allclose(Pair(1 - ink, bowl).normal, bowl, atol=1e-6)
 
 
@@ -657,3 +657,12 @@ def test_capitals_and_the_name_of_the_folder_do_not_matter(tmp_path: Path, sketc
     folder = tmp_path / "normals" if sketch.startswith("normals/") else tmp_path
     found = Pairs(str(folder)).found()
     assert [(pair.sketch, pair.normal) for pair in found] == [(tmp_path / sketch, tmp_path / normal)]
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_a_csv_may_be_separated_as_spreadsheets_do(tmp_path: Path, delimiter: str) -> None:
+    write_pair(tmp_path / "a,1.png", tmp_path / "a_normal.png", 0)
+    lines = (["sketch", "normal", "split"], ["a,1.png", "a_normal.png", "train"])
+    (tmp_path / "pairs.csv").write_text("\n".join(delimiter.join(line) for line in lines))
+    (found,) = Pairs(str(tmp_path / "pairs.csv")).found()
+    assert (found.sketch, found.part) == (tmp_path / "a,1.png", "train")

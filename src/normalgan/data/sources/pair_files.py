@@ -354,7 +354,10 @@ def _rows(path: Path) -> Iterator[tuple[str, dict[str, str]]]:
         text = read_named(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not UTF-8 text; {right}.") from None
-    reader = csv.DictReader(io.StringIO(text), skipinitialspace=True)
+    first = text.partition("\n")[0]
+    # Spreadsheets separate by semicolons where the comma is the decimal mark.
+    delimiter = next((each for each in ",;\t" if each in first), ",")
+    reader = csv.DictReader(io.StringIO(text), skipinitialspace=True, delimiter=delimiter)
     try:
         columns = list(reader.fieldnames or [])
         rows = [(reader.line_num, row) for row in reader]
