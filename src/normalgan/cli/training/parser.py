@@ -77,7 +77,9 @@ def _as_text(settings: Any) -> Any:
     represent them.
     """
     if isinstance(settings, Namespace):
-        return Namespace(**{name: _as_text(value) for name, value in vars(settings).items()})
+        copy = settings.clone()
+        vars(copy).update({name: _as_text(value) for name, value in vars(settings).items()})
+        return copy
     if isinstance(settings, dict):
         return {name: _as_text(value) for name, value in settings.items()}
     if type(settings) in {list, tuple}:
