@@ -8,6 +8,7 @@ import pytest
 import torch
 import yaml
 from lightning.pytorch import Callback, LightningModule, Trainer
+from lightning.pytorch.callbacks import GradientAccumulationScheduler
 from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
@@ -28,6 +29,7 @@ from normalgan.losses.distractor_consistency import add_distractor_strokes, dist
 from normalgan.metrics import angular_error
 from normalgan.models import (
     Discriminator,
+    Generator,
     PatchDiscriminator,
     ResidualUNetGenerator,
     UNetDiscriminator,
@@ -318,6 +320,58 @@ def test_bf16_trains_and_measures_in_full_precision(tmp_path: Path) -> None:
     gan = make()
     trainer(tmp_path, precision="bf16-mixed", limit_val_batches=1).fit(gan, loader(), loader())
     assert all(p.dtype == torch.float32 for p in gan.parameters())
+
+
+@pytest.mark.parametrize("precision", ["16-true", "bf16-true", "64-true"])
+def test_a_precision_that_converts_the_weights_is_one_sentence(tmp_path: Path, precision: Any) -> None:
+    for measure in ("validate", "test", "predict"):
+        with pytest.raises(
+            InputError, match=rf"precision is {precision}.* use 32-true, 16-mixed or bf16-mixed"
+        ):
+            getattr(trainer(tmp_path, precision=precision), measure)(make(), loader())
+    with pytest.raises(InputError, match=f"precision is {precision}"):
+        trainer(tmp_path, precision=precision).fit(make(), loader(), loader())
+
+
+def test_accumulating_gradients_by_a_callback_is_refused_in_a_whole_sentence(tmp_path: Path) -> None:
+    run = trainer(tmp_path, callbacks=[GradientAccumulationScheduler({0: 2})])
+    with pytest.raises(
+        InputError, match=r"Scheduler cannot be used, .* by hand; use a larger data\.batch_size"
+    ):
+        run.fit(make(), loader())
+
+
+class Dropping(Generator):
+    """A convolution and a dropout of some kind, in three and four dimensions."""
+
+    def __init__(self, dropout: nn.Module) -> None:
+        super().__init__()
+        self.body = nn.Conv2d(4, 8, 1)
+        self.dropout = dropout
+        self.head = nn.Conv2d(8, 3, 1)
+
+    def forward(self, condition: Tensor) -> Tensor:
+        features: Tensor = self.body(condition)
+        if isinstance(self.dropout, nn.Dropout1d):
+            noisy = self.dropout(features.flatten(2)).view_as(features)
+        elif isinstance(self.dropout, nn.Dropout3d):
+            noisy = self.dropout(features[..., None])[..., 0]
+        else:
+            noisy = self.dropout(features)
+        return torch.tanh(self.head(noisy))
+
+
+@pytest.mark.parametrize(
+    "kind", [nn.Dropout, nn.Dropout1d, nn.Dropout2d, nn.Dropout3d, nn.AlphaDropout, nn.FeatureAlphaDropout]
+)
+def test_noise_at_test_keeps_every_kind_of_dropout_on(kind: Callable[[float], nn.Module]) -> None:
+    for noise in (False, True):
+        gan = make(generator=Dropping(kind(0.5)), noise_at_test=noise)
+        gan.eval()
+        gan.keep_noise()
+        sketch = torch.rand(2, 1, 32, 32)
+        with torch.no_grad():
+            assert torch.equal(gan(sketch), gan(sketch)) is not noise
 
 
 def test_an_objective_that_the_discriminator_does_not_fit_is_refused() -> None:

@@ -16,6 +16,16 @@ from normalgan.models import Generator
 from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 
+_DROPOUTS = (
+    nn.Dropout,
+    nn.Dropout1d,
+    nn.Dropout2d,
+    nn.Dropout3d,
+    nn.AlphaDropout,
+    nn.FeatureAlphaDropout,
+)  # their common base is private in PyTorch
+_PRECISIONS = ("32-true", "16-mixed", "bf16-mixed")
+
 
 class EvaluationSteps(LightningModule):
     """LightningModule that predicts with a generator and measures it; subclasses add the training.
@@ -32,6 +42,19 @@ class EvaluationSteps(LightningModule):
     hint_sampler: HintSampler
     seed: int
     noise_at_test: bool
+
+    def check_precision(self) -> None:
+        """Check that the trainer leaves weights and batches in single precision.
+
+        Raises:
+            InputError: if it converts them; normals and metrics need single precision.
+        """
+        precision = str(self.trainer.precision)
+        if precision not in _PRECISIONS:
+            raise InputError(
+                f"trainer.precision is {precision}, but weights must stay in single precision; use "
+                f"{', '.join(_PRECISIONS[:-1])} or {_PRECISIONS[-1]}."
+            )
 
     def make_metrics(self, stage: str) -> None:
         """Create the metrics of a stage.
@@ -176,7 +199,7 @@ class EvaluationSteps(LightningModule):
         """Switch the noise back on after `eval` if ``noise_at_test`` is set."""
         if self.noise_at_test:
             for module in self.generator.modules():
-                if isinstance(module, nn.Dropout):
+                if isinstance(module, _DROPOUTS):
                     module.train()
 
 

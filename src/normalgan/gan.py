@@ -74,7 +74,7 @@ class NormalGAN(SavedSettings, EvaluationSteps, ManualOptimization):
             generator steps, at the generator's weights (``train/adversarial_share``) and at the predicted
             directions (``train/adversarial_share_output``). Such a step takes two more backward passes; 0
             logs none.
-        noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
+        noise_at_test: keep the noise z (dropout of any kind) on when testing and predicting, as pix2pix does.
         seed: seed of the hints and of the noise.
         refined: whether the package's refiner sharpens its maps when they are enlarged to a drawing's size.
             The refiner was trained for the shipped weights.
@@ -153,8 +153,9 @@ class NormalGAN(SavedSettings, EvaluationSteps, ManualOptimization):
 
     def setup(self, stage: str) -> None:
         """Make the metrics of a stage, and compile the generator if the settings ask for it."""
-        super().setup(stage)
         self._generate = None
+        self.check_precision()
+        super().setup(stage)
         if stage == "fit" and self.compile_generator:
             self._generate = compiled_predict(self.generator, self.compile_generator)
         self.make_metrics(stage)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import cast
 
 from lightning.pytorch import LightningModule
-from lightning.pytorch.callbacks import LearningRateFinder
+from lightning.pytorch.callbacks import Callback, GradientAccumulationScheduler, LearningRateFinder
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
@@ -18,6 +18,12 @@ from normalgan.models import Discriminator, Generator
 
 _MONITOR = "val/hints/angular_mean"
 """Metric that a schedule follows if no checkpoint callback names one."""
+
+_INSTEAD: dict[type[Callback], str] = {
+    GradientAccumulationScheduler: "use a larger data.batch_size",
+    LearningRateFinder: "compare rates with a sweep",
+}
+"""Callbacks that work only if Lightning steps the optimisers, and what to do instead."""
 
 
 class ManualOptimization(LightningModule):
@@ -137,11 +143,12 @@ def _check_callbacks(callbacks: Iterable[object]) -> None:
         InputError: if there is such a callback.
     """
     for callback in callbacks:
-        if isinstance(callback, LearningRateFinder):
-            raise InputError(
-                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates with a sweep."
-            )
+        for kind, instead in _INSTEAD.items():
+            if isinstance(callback, kind):
+                raise InputError(
+                    f"{kind.__name__} cannot be used, because NormalGAN steps its optimisers by hand; "
+                    f"{instead}."
+                )
 
 
 def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:

@@ -81,3 +81,27 @@ def test_config_yaml_says_the_batch_size_that_was_used(monkeypatch: pytest.Monke
         trainer: Any = SimpleNamespace(datamodule=SimpleNamespace(batch_size=size))
         callback.on_train_start(trainer, None)  # type: ignore[arg-type]
     assert written == [32]
+
+
+@pytest.mark.filterwarnings("error:Unable to serialize")
+@pytest.mark.parametrize(
+    ("callback", "name", "value"),
+    [("Timer", "interval", "step"), ("StochasticWeightAveraging", "device", "cpu")],
+)
+def test_settings_that_are_not_plain_values_are_saved_as_text(callback: str, name: str, value: str) -> None:
+    rate = ["--trainer.callbacks.swa_lrs", "0.1"] if callback == "StochasticWeightAveraging" else []
+    settings = resolved_settings(["--trainer.callbacks", callback, *rate])
+    given = settings["trainer"]["callbacks"]
+    (timer,) = given if isinstance(given, list) else [given]
+    assert timer["init_args"][name] == value
+
+
+@pytest.mark.slow
+def test_a_run_can_be_trained_without_checkpoints(bench: Bench, tmp_path: Path) -> None:
+    given = ("--trainer.enable_checkpointing", "false")
+    done = bench.run("fit", tmp_path / "run", "--trainer.max_epochs", 1, *given)
+    assert done.code == 0, done.err
+    assert not [*tmp_path.rglob("*.ckpt")]
+    assert (tmp_path / "run" / "config.yaml").is_file()
+    own = ("--trainer.callbacks", "ModelCheckpoint")
+    bench.run("fit", tmp_path / "other", *given, *own).refused("names ModelCheckpoint", "remove one")

@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.arrays import Floats
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import collate_decoded
 from normalgan.data.settings import Split, Storage
@@ -378,6 +379,31 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
         PairRecipe(32).render(None, 0)  # type: ignore[arg-type]
 
 
+def flip_red_of(folder: Path) -> None:
+    repaint(folder, lambda vectors: vectors * np.array([-1, 1, 1], np.float32))
+
+
+def exchange_red_and_green_of(folder: Path) -> None:
+    repaint(folder, lambda vectors: vectors[..., [1, 0, 2]])
+
+
+def turn_a_quarter(folder: Path) -> None:
+    repaint(folder, lambda vectors: vectors[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32))
+
+
+def repaint(folder: Path, change: Callable[[Floats], Floats]) -> None:
+    """Write the normal map of ``a1`` again, with other vectors on the object."""
+    _, vectors = ellipsoid(1)
+    mask = np.abs(vectors).sum(-1) > 0
+    write_bytes(folder / "a1_normal.png", encode_png(paint_flat(change(vectors), mask)))
+
+
+def invert_a_mask(folder: Path) -> None:
+    _, vectors = ellipsoid(1)
+    background = (np.abs(vectors).sum(-1) == 0).astype(np.uint8)
+    Image.fromarray(255 * background).save(folder / "a1_mask.png")
+
+
 @pytest.mark.parametrize(
     ("spoil", "sentence"),
     [
@@ -388,6 +414,13 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
         ),
         (make_grey, "is grey; a normal map needs three channels"),
         (flip_green_of, "looks as if its green had the opposite direction: .* set green to down"),
+        (flip_red_of, "looks as if its red had the opposite direction: .* invert its red"),
+        (exchange_red_and_green_of, "looks as if its red and green were exchanged: .* exchange them"),
+        (turn_a_quarter, "looks as if its red and green were exchanged: .* exchange them"),
+        (
+            invert_a_mask,
+            "the mask covers the background of the normal map, not its object; paint the object white",
+        ),
         (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
         (make_flat, "shows nothing but its background"),
         (break_file, "cannot be read as an image: it starts like a PNG but is truncated or damaged"),
@@ -602,3 +635,34 @@ def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:
     for name in ("zero.exr", "opaque.exr", "grey.png", "cut.png", "ground.exr"):
         pair = PairFiles("a", tmp_path / "a.png", tmp_path / name).load()
         np.testing.assert_array_equal(pair.mask, mask, err_msg=name)
+
+
+def test_a_bowl_seen_from_above_is_not_refused_for_its_directions() -> None:
+    ink, vectors = ellipsoid(1)
+    bowl = vectors * np.array([-1, -1, 1], np.float32)
+    assert np.allclose(Pair(1 - ink, bowl).normal, bowl, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("sketch", "normal"),
+    [
+        ("A.PNG", "A_normal.PNG"),
+        ("Sketch/1.png", "Normal/1.png"),
+        ("SKETCHES/1.PNG", "NORMALS/1.PNG"),
+        ("normals/1.png", "normals/1_normal.png"),  # a folder that only has the name of a partner's
+    ],
+)
+def test_capitals_and_the_name_of_the_folder_do_not_matter(tmp_path: Path, sketch: str, normal: str) -> None:
+    write_pair(tmp_path / sketch, tmp_path / normal, 0)
+    folder = tmp_path / "normals" if sketch.startswith("normals/") else tmp_path
+    found = Pairs(str(folder)).found()
+    assert [(pair.sketch, pair.normal) for pair in found] == [(tmp_path / sketch, tmp_path / normal)]
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_a_csv_may_be_separated_as_spreadsheets_do(tmp_path: Path, delimiter: str) -> None:
+    write_pair(tmp_path / "a,1.png", tmp_path / "a_normal.png", 0)
+    lines = (["sketch", "normal", "split"], ["a,1.png", "a_normal.png", "train"])
+    (tmp_path / "pairs.csv").write_text("\n".join(delimiter.join(line) for line in lines))
+    (found,) = Pairs(str(tmp_path / "pairs.csv")).found()
+    assert (found.sketch, found.part) == (tmp_path / "a,1.png", "train")

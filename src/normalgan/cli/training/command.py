@@ -16,6 +16,7 @@ from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import Trainer
 from lightning.pytorch.callbacks import (
     Callback,
+    Checkpoint,
     EarlyStopping,
     ModelCheckpoint,
     RichModelSummary,
@@ -281,8 +282,18 @@ class NormalGANCLI(LightningCLI):
         given = list(callbacks) if isinstance(callbacks, list) else [callbacks]
         plugins = self.config_init["trainer"]["plugins"] or []
         plugins = with_slurm(plugins if isinstance(plugins, list) else [plugins])
+        saves = self.config_init["trainer"]["enable_checkpointing"] is not False
+        if not saves:
+            if others := [type(each).__name__ for each in given if isinstance(each, Checkpoint)]:
+                raise InputError(
+                    f"trainer.enable_checkpointing is false, but trainer.callbacks names {others[0]}, which "
+                    "saves checkpoints; remove one of the two."
+                )
+            kwargs["enable_checkpointing"] = True  # Lightning refuses our callbacks otherwise
         trainer = super().instantiate_trainer(plugins=plugins, **kwargs)
         used: list[Callback] = trainer.callbacks  # type: ignore[attr-defined]  # public, not typed
+        if not saves:
+            used[:] = [each for each in used if not isinstance(each, (Checkpoint, StoppedCheckpoint))]
         for number, callback in enumerate(used):
             if type(callback) in own and not any(callback is one for one in given):
                 used[number] = own[type(callback)]()

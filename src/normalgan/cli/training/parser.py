@@ -5,8 +5,11 @@ from argparse import HelpFormatter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from enum import Enum
 from typing import Any
 
+import torch
+from jsonargparse import Namespace
 from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.cli.discovery import SETTINGS, described, namable
@@ -36,11 +39,11 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
     def _plugins(self) -> Mapping[str, Registry[Any]]:
         return namable()
 
-    def dump(self, *given: Any, **how: Any) -> str:
+    def dump(self, cfg: Any, *given: Any, **how: Any) -> str:
         """Return settings as text without validating them again, which would take a tenth of parsing."""
         if "skip_none" in how:  # Lightning's name for it, which jsonargparse has renamed
             how["skip_unset"] = how.pop("skip_none")
-        text: str = super().dump(*given, **{"skip_validation": True, **how})
+        text: str = super().dump(_as_text(cfg), *given, **{"skip_validation": True, **how})
         return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
@@ -65,3 +68,22 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
             return text
         plugins = described(section or "")
         return f"{text}\n{plugins}" if plugins else text
+
+
+def _as_text(settings: Any) -> Any:
+    """Return a copy of settings in which enumerations and devices are strings.
+
+    Callbacks of Lightning have such defaults, as `Timer` and `StochasticWeightAveraging` do. YAML cannot
+    represent them.
+    """
+    if isinstance(settings, Namespace):
+        copy = settings.clone()
+        vars(copy).update({name: _as_text(value) for name, value in vars(settings).items()})
+        return copy
+    if isinstance(settings, dict):
+        return {name: _as_text(value) for name, value in settings.items()}
+    if type(settings) in {list, tuple}:
+        return type(settings)(map(_as_text, settings))
+    if isinstance(settings, Enum):
+        return settings.value
+    return str(settings) if isinstance(settings, torch.device) else settings

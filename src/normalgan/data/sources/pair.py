@@ -25,6 +25,8 @@ _TOLERANCE = 0.02
 _LOSSY_TOLERANCE = 0.2
 """The same for JPEG, which blurs and rings at each line. At quality 75, the object of a JPEG of 256 pixels
 then has an IoU of 0.98 with that of its PNG, against 0.86 with the other tolerance."""
+_CLEAR = 0.4
+"""Outwardness along an outline from which a direction is certain."""
 _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
 
 
@@ -61,9 +63,11 @@ class Pair:
         if not given.any():
             raise InputError("the normal map has no object: all its vectors are zero.")
         self.mask: BoolMask = given
+        if mask is not None:
+            _check_mask(normal, self.mask)
         _check_normals(normal[self.mask])
         self.normal: Floats = np.where(self.mask[..., None], normalize(normal), np.float32(0))
-        _check_green(self.normal, self.mask)
+        _check_axes(self.normal, self.mask)
         self.hints = as_hints(hints, (height, width))
         if self.hints is not None:
             _check_hints(self.hints, self.mask)
@@ -206,21 +210,46 @@ def _check_hints(hints: Hints, mask: BoolMask) -> None:
         )
 
 
-def _check_green(normal: Floats, mask: BoolMask) -> None:
-    """Raise `InputError` if the vectors along the outline show that y is upside down."""
-    x, y = _outwardness(normal, mask)
-    if x > 0.4 and y < -0.4:
+def _check_axes(normal: Floats, mask: BoolMask) -> None:
+    """Raise `InputError` if the vectors along the outline show that x and y are mirrored or exchanged.
+
+    Vectors that all point inward are accepted, because those of a bowl seen from above do.
+    """
+    (xx, xy), (yx, yy) = _outwardness(normal, mask)
+    if xx > _CLEAR and yy < -_CLEAR:
         raise InputError(
             "the normal map looks as if its green had the opposite direction: along the outline x points "
             "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
         )
+    if xx < -_CLEAR and yy > _CLEAR:
+        raise InputError(
+            "the normal map looks as if its red had the opposite direction: along the outline y points "
+            f"outward and x inward; invert its red, so that it has the {_RIGHT}."
+        )
+    if min(abs(xy), abs(yx)) > _CLEAR and max(abs(xx), abs(yy)) < _CLEAR / 2:
+        raise InputError(
+            "the normal map looks as if its red and green were exchanged: along the outline x follows the "
+            f"vertical direction and y the horizontal one; exchange them, so that it has the {_RIGHT}."
+        )
 
 
-def _outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
-    """Return how much vectors along an object's outline point outwards in x and in y, from -1 to 1.
+def _check_mask(normal: NDArray[Any], mask: BoolMask) -> None:
+    """Raise `InputError` if a mask covers the background of the normal map instead of its object."""
+    # The tolerance is that of a JPEG, because a mask of a JPEG may be inverted too.
+    shown = ~background(normal, lossy=True)
+    if mask.sum() * 0.1 > (mask & shown).sum() and shown.sum() * 0.5 < (shown & ~mask).sum():
+        raise InputError(
+            "the mask covers the background of the normal map, not its object; paint the object white, and "
+            "the rest black."
+        )
 
-    A surface always points outwards at its outline. There is no outline where the picture's border cuts
-    the object. Without any outline, the result is 0.
+
+def _outwardness(normal: Floats, mask: BoolMask) -> Floats:
+    """Return how much vectors along an object's outline point outwards, (2, 2), each from -1 to 1.
+
+    The rows are the outward direction's x and y, the columns those of the normals. A convex surface points
+    outwards at its outline, which gives the identity matrix. There is no outline where the picture's border
+    cuts the object. Without any outline, the result is 0.
 
     Args:
         normal: (H, W, 3), y up.
@@ -233,4 +262,4 @@ def _outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
     out = np.stack([-right[rim], down[rim]]) / np.maximum(weight, 1e-6)  # y is up
     held = normal[rim][:, :2].T
     total = (out**2).sum(1)
-    return tuple(float(a) for a in (out * held).sum(1) / np.maximum(total, 1.0))  # type: ignore[return-value]
+    return np.asarray((out @ held.T) / np.maximum(total, 1.0)[:, None], np.float32)

@@ -309,12 +309,13 @@ def _name(sketch: Path, root: Path) -> str:
 def _partner(sketch: Path, kind: str) -> Path | None:
     """Return a sketch's companion file of a kind, or None if there is none."""
     stem = sketch.stem.removesuffix("_sketch")
-    beside = [sketch.with_name(f"{stem}_{kind}{ending}") for ending in _ENDS_IN[kind]]
+    endings = [each for ending in _ENDS_IN[kind] for each in (ending, ending.upper())]
+    beside = [sketch.with_name(f"{stem}_{kind}{ending}") for ending in endings]
     if sketch.parent.name.lower() in _FOLDERS["sketch"]:
         folder = _subfolder(sketch.parent.parent, kind)
         if folder is not None:
             stems = [sketch.stem, stem, f"{stem}_{kind}"]
-            beside += [folder / f"{name}{ending}" for name in stems for ending in _ENDS_IN[kind]]
+            beside += [folder / f"{name}{ending}" for name in stems for ending in endings]
     return next((path for path in beside if path.is_file()), None)
 
 
@@ -329,12 +330,19 @@ def _orphans(folder: Path, inner: Path | None, sketches: Sequence[Path]) -> Iter
 
 
 def _subfolder(folder: Path, kind: str) -> Path | None:
-    return next((folder / name for name in _FOLDERS[kind] if (folder / name).is_dir()), None)
+    """Return the subfolder of a kind, in upper or lower case, or None if there is none."""
+    of_name = {each.name.lower(): each for each in sorted(folder.iterdir()) if each.is_dir()}
+    return next((of_name[name] for name in _FOLDERS[kind] if name in of_name), None)
 
 
 def _is_partner(path: Path) -> bool:
+    """Return whether a file is the normal map, the mask or the hints of a sketch, by its place."""
     others = {name for kind in _ENDS_IN for name in _FOLDERS[kind]}
-    return path.stem.endswith(_PARTNERS) or path.parent.name.lower() in others
+    if path.stem.endswith(_PARTNERS):
+        return True
+    return (
+        path.parent.name.lower() in others and _subfolder(path.absolute().parent.parent, "sketch") is not None
+    )
 
 
 def _rows(path: Path) -> Iterator[tuple[str, dict[str, str]]]:
@@ -346,7 +354,10 @@ def _rows(path: Path) -> Iterator[tuple[str, dict[str, str]]]:
         text = read_named(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not UTF-8 text; {right}.") from None
-    reader = csv.DictReader(io.StringIO(text), skipinitialspace=True)
+    first = text.partition("\n")[0]
+    # Spreadsheets separate by semicolons where the comma is the decimal mark.
+    delimiter = next((each for each in ",;\t" if each in first), ",")
+    reader = csv.DictReader(io.StringIO(text), skipinitialspace=True, delimiter=delimiter)
     try:
         columns = list(reader.fieldnames or [])
         rows = [(reader.line_num, row) for row in reader]
