@@ -216,7 +216,7 @@ def icon(side: int) -> NDArray[np.uint8]:
     return pixels
 
 
-@pytest.mark.parametrize("side", [32, 48, 128])
+@pytest.mark.parametrize("side", [16, 32, 48, 128])
 def test_an_icon_is_prepared_at_the_size_of_the_model_as_in_python(studio: "Page", side: int) -> None:
     rgba = icon(side)
     wanted = python()(rgba)

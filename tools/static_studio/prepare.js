@@ -34,7 +34,7 @@ export class Unpaintable extends Error {
 }
 
 const { LEAST } = INK;
-const { SHEET, SURE } = SILHOUETTE;
+const { RIM, SHEET, SURE, TINY } = SILHOUETTE;
 
 /**
  * Prepares a drawing.
@@ -63,8 +63,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   /** @type {Float32Array} */
   let ink = drawn ? grey.map((value) => 1 - value) : inkAt(/** @type {import("./reader.js").Reading} */ (await asked), grey, width, height);
   if (opaque) {
-    const line = contour(opaque, width, height, width / plane.width);
-    ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
+    ink = outlined(ink, opaque, width, height, width / plane.width);
   }
   const frame = frameAround(ink, width, height, size);
   if (!frame || !ink.some((value) => value >= LEAST)) throw new Unpaintable("no_lines");
@@ -132,13 +131,22 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
 }
 
 /**
- * Returns a line just inside a silhouette, which covers the half-transparent pixels at its edge.
- * @param {Uint8Array} opaque @param {number} width @param {number} height @param {number} pixel side of the drawing's pixels in these
+ * Returns the ink of an object with a line just inside its silhouette, which covers the half-transparent pixels at its edge.
+ * In a tiny object the line replaces the object's own outline.
+ * @param {Float32Array} ink @param {Uint8Array} opaque @param {number} width @param {number} height @param {number} pixel side of the drawing's pixels in these
+ * @returns {Float32Array}
  */
-function contour(opaque, width, height, pixel) {
+function outlined(ink, opaque, width, height, pixel) {
+  const depth = distance(opaque, width, height, true);
   const [left, top, right, bottom] = boxOf(opaque, width, height) ?? [0, 0, 1, 1];
-  const wide = Math.max(Math.max(right - left, bottom - top) / 250, 1.5 * pixel);
-  return distance(opaque, width, height, true).map((depth, i) => (opaque[i] ? Math.max(0, Math.min(1, wide + 0.5 - depth)) : 0));
+  const extent = Math.max(right - left, bottom - top);
+  const tiny = extent < TINY * pixel;
+  const wide = Math.max(extent / 250, 1.5 * (tiny ? pixel / 2 : pixel));
+  return ink.map((value, i) => {
+    if (!opaque[i]) return 0;
+    const line = Math.max(0, Math.min(1, wide + 0.5 - depth[i]));
+    return tiny && depth[i] < RIM * pixel ? line : tiny ? value : Math.max(value, line);
+  });
 }
 
 /** Returns the part of a picture inside the frame at the network's size. @param {Float32Array | Uint8Array} picture @param {number} width @param {number} height @param {Frame} frame */

@@ -11,7 +11,6 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import Reading, read
-from normalgan.inference.cleaning.silhouette import contour
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
 from normalgan.inference.mask.mask_files import MaskOrSource
@@ -19,14 +18,8 @@ from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
-from normalgan.inference.regions import Bounds, depth_of, extent_of
+from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-
-_TINY = 24
-"""Longer side in pixels of an object whose outline, one pixel wide, would count as an area. Such an area gets
-an inner and an outer edge, and the object becomes a ring."""
-_RIM = 1.75
-"""Width of a tiny sprite's own outline in its pixels, measured across pixels that meet at their corners."""
 
 
 @dataclass(frozen=True)
@@ -108,16 +101,11 @@ def prepare(
         InputError: if a point of ``holes`` lies in no region.
     """
     shape = fitted(picture.shape, longest)
-    extent = 0 if picture.alpha is None else extent_of(picture.alpha > 0.5)
-    tiny = 0 < extent < _TINY
     # Lines of a tiny sprite are as wide as its details; enlarged, they can be told apart and thinned.
     worked = fitted(shape, min(max(network_size, *shape), MOST_WORKED))
     if reading is None and not clean_strokes:
         reading = read(picture)
-    drawn_pixel = worked[1] / picture.size[1]
-    cleaned = clean(picture.resized(worked), reading, drawn_pixel=drawn_pixel)
-    if cleaned.silhouette is not None and tiny:
-        cleaned = replace(cleaned, ink=_with_one_outline(cleaned.ink, cleaned.silhouette, drawn_pixel))
+    cleaned = clean(picture.resized(worked), reading, drawn_pixel=worked[1] / picture.size[1])
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(by_hand, np.int8)
@@ -149,18 +137,6 @@ def prepare(
     if holes and prepared.decision is None:
         raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
-
-
-def _with_one_outline(ink: Floats, silhouette: BoolMask, drawn_pixel: float) -> Floats:
-    """Return the ink (h, w) of a tiny sprite in which its outline, one drawn pixel wide, is a thin line.
-
-    Args:
-        ink: (h, w), lines of the sprite.
-        silhouette: (h, w), the object.
-        drawn_pixel: side of the sprite's pixels in pixels of ``ink``.
-    """
-    rim = silhouette & (depth_of(silhouette) < _RIM * drawn_pixel)
-    return np.where(rim, contour(silhouette, drawn_pixel / 2), ink)
 
 
 def _decided(

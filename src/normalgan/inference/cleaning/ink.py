@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.cleaning.reader import GREY, Reading, over_paper
-from normalgan.inference.cleaning.silhouette import contour, is_silhouette
+from normalgan.inference.cleaning.silhouette import is_silhouette, outlined
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
@@ -56,7 +56,7 @@ def clean(
         ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
     if picture.alpha is not None and is_silhouette(picture, reading):
         silhouette = picture.alpha > 0.5
-        ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette, drawn_pixel))
+        ink = outlined(ink, silhouette, drawn_pixel)
     if float(ink.max()) < _LEAST:
         raise LackingError(
             "no lines were found in it; a sketch needs lines that stand out from the paper.", "no_lines"

@@ -11,6 +11,11 @@ _SHEET = 0.995
 """Opaque fraction of a picture above which the opaque part is paper with rounded corners or a torn edge."""
 _SURE = 0.05
 """Margin by which ink must exceed coverage for the opaque part to be lines; a black shape has ink near 1."""
+_TINY = 24
+"""Longer side of an object in drawn pixels, below which its own outline, one pixel wide, would count as an
+area. Such an area gets an inner and an outer edge, and the object becomes a ring."""
+_RIM = 1.75
+"""Width of a tiny object's own outline in drawn pixels, measured across pixels that meet at their corners."""
 
 
 def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
@@ -41,6 +46,24 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     inked = float((reading.ink * alpha).sum() / alpha.sum())
     covered = float((present * alpha).sum() / max(int(present.sum()), 1))
     return inked <= covered + _SURE
+
+
+def outlined(ink: Floats, silhouette: BoolMask, drawn_pixel: float = 1.0) -> Floats:
+    """Return the ink (H, W) of an object with a line along its silhouette.
+
+    The line is added to the object's own outline. In a tiny object, such as 16 × 16 pixel art, it replaces
+    the outline.
+
+    Args:
+        ink: (H, W) in [0, 1], the ink of the drawing.
+        silhouette: (H, W), the object.
+        drawn_pixel: side of the original drawing's pixels in pixels of ``ink``.
+    """
+    own = np.where(silhouette, ink, 0).astype(np.float32)
+    if extent_of(silhouette) >= _TINY * drawn_pixel:
+        return np.maximum(own, contour(silhouette, drawn_pixel))
+    rim = silhouette & (depth_of(silhouette) < _RIM * drawn_pixel)
+    return np.where(rim, contour(silhouette, drawn_pixel / 2), own)
 
 
 def contour(silhouette: BoolMask, drawn_pixel: float = 1.0) -> Floats:

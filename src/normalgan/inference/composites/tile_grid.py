@@ -56,6 +56,9 @@ class TileGrid:
         Raises:
             InputError: if the picture has no tiles or too many, if tiles are too small, or if the size
                 differs from the tileset file's.
+
+        >>> TileGrid(16, 16).check((32, 40), "walls.png")
+        '8 columns at the right do not form a whole tile'
         """
         height, width = shape
         if self.size is not None and self.size != (width, height):
@@ -75,9 +78,10 @@ class TileGrid:
                 f"{self.height}; it needs 1 to {_MOST_TILES}."
             )
         left = [side - each[-1] - 1 for side, each in zip(shape, self.places(shape), strict=True)]
-        if max(left) <= self.margin + self.spacing:
-            return ""
-        return f"{left[1]} columns at the right and {left[0]} rows at the bottom do not form a whole tile"
+        kept = self.margin + self.spacing
+        places = f"{left[1]} columns at the right", f"{left[0]} rows at the bottom"
+        named = [words for words, pixels in zip(places, left[::-1], strict=True) if pixels > kept]
+        return f"{' and '.join(named)} do not form a whole tile" if named else ""
 
     def places(self, shape: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the indices of the pixel rows and pixel columns of a picture (H, W) that lie in tiles."""
