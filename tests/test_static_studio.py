@@ -669,6 +669,25 @@ def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(
     assert told["error"] == "the picture is 2048 × 10 pixels; the studio accepts 16 to 2048 a side."
 
 
+def test_a_picture_that_is_cut_off_is_refused(studio: "Page") -> None:
+    whole = cv2.imencode(".png", mug())[1].tobytes()
+    svg = b'<svg xmlns="http://www.w3.org/2000/svg" width="64" height="64"><path d="M9 9h40v40z"/></svg>'
+    told = [
+        studio.evaluate(
+            """async (given) => {
+              const bytes = Uint8Array.from(atob(given), (letter) => letter.charCodeAt(0));
+              const body = new Blob([bytes], { type: bytes[0] === 60 ? "image/svg+xml" : "image/png" });
+              return (await fetch("/api/import", { method: "POST", body })).json();
+            }""",
+            base64.b64encode(content).decode(),
+        )
+        for content in (whole, svg, whole[: len(whole) // 2])
+    ]
+    assert "error" not in told[0]
+    assert "error" not in told[1]
+    assert told[2]["error"] == "the picture is cut off or damaged. Use another copy of it."
+
+
 def test_refusals_are_in_the_language_of_the_page_and_the_relief_is_not_offered(
     built: Path, tmp_path: Path
 ) -> None:

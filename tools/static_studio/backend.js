@@ -160,6 +160,9 @@ async function picture(file) {
   } finally {
     URL.revokeObjectURL(image.src);
   }
+  // An image element shows what there is of a file that is cut off. A bitmap is made of whole files alone, but not of an SVG.
+  const vector = /^\s*</.test(await file.slice(0, 64).text());
+  if (!vector && !(await createImageBitmap(file).catch(() => null))) return refused((await words()).text.webDamaged, 400);
   const given = [image.naturalWidth || 1024, image.naturalHeight || 1024];
   const { least, most } = LIMITS.sides;
   const scale = Math.min(1, most / Math.max(...given));

@@ -360,6 +360,7 @@ export const text = {
   exporting: "Exporting…",
   exportEmpty: "Nothing to export yet. Draw something first.",
   webPython: "this needs Python: install normalgan and run “normalgan studio”, which opens what you save here.",
+  webDamaged: "the picture is cut off or damaged. Use another copy of it.",
   webPicture: "this browser can't read the picture. Use PNG, JPEG, WebP or SVG; for files of paint programs, install normalgan and run “normalgan studio”.",
   webSmall: "the picture is {width} × {height} pixels; the studio accepts {least} to {most} a side.",
   webNoModules: "this browser runs no modules in workers, or has no WebAssembly.",

@@ -337,6 +337,7 @@ export const words = {
   exporting: "Exportiere…",
   exportEmpty: "Noch nichts zu exportieren. Zeichne zuerst etwas.",
   webPython: "das braucht Python: Installiere normalgan und starte „normalgan studio“; es öffnet, was du hier speicherst.",
+  webDamaged: "das Bild ist abgeschnitten oder beschädigt. Nimm eine andere Kopie davon.",
   webPicture: "dieser Browser kann das Bild nicht lesen. Nimm PNG, JPEG, WebP oder SVG; für Dateien von Malprogrammen installiere normalgan und starte „normalgan studio“.",
   webSmall: "das Bild hat {width} × {height} Pixel; das Studio nimmt {least} bis {most} je Seite.",
   webNoModules: "dieser Browser führt keine Module in Workern aus oder hat kein WebAssembly.",

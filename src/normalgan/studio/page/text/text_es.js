@@ -337,6 +337,7 @@ export const words = {
   exporting: "Exportando…",
   exportEmpty: "Aún no hay nada que exportar. Dibuja algo antes.",
   webPython: "esto necesita Python: instala normalgan y ejecuta «normalgan studio», que abre lo que guardas aquí.",
+  webDamaged: "la imagen está cortada o dañada. Usa otra copia.",
   webPicture: "este navegador no puede leer la imagen. Usa PNG, JPEG, WebP o SVG; para archivos de programas de pintura, instala normalgan y ejecuta «normalgan studio».",
   webSmall: "la imagen tiene {width} × {height} píxeles; el estudio acepta de {least} a {most} por lado.",
   webNoModules: "este navegador no ejecuta módulos en workers o no tiene WebAssembly.",

@@ -337,6 +337,7 @@ export const words = {
   exporting: "Exportation…",
   exportEmpty: "Rien à exporter. Dessinez d'abord quelque chose.",
   webPython: "cela nécessite Python : installez normalgan et lancez « normalgan studio », qui ouvre ce que vous enregistrez ici.",
+  webDamaged: "l'image est tronquée ou endommagée. Utilisez-en une autre copie.",
   webPicture: "ce navigateur ne peut pas lire l'image. Utilisez PNG, JPEG, WebP ou SVG ; pour les fichiers de logiciels de dessin, installez normalgan et lancez « normalgan studio ».",
   webSmall: "l'image fait {width} × {height} pixels ; le studio accepte de {least} à {most} par côté.",
   webNoModules: "ce navigateur n'exécute pas de modules dans les workers ou n'a pas WebAssembly.",

@@ -337,6 +337,7 @@ export const words = {
   exporting: "書き出し中…",
   exportEmpty: "書き出すものがありません。先に何か描いてください。",
   webPython: "これにはPythonが必要です。normalganをインストールして「normalgan studio」を実行すると、ここで保存したものを開けます。",
+  webDamaged: "画像が途中で切れているか壊れています。別のコピーを使ってください。",
   webPicture: "このブラウザはこの画像を読めません。PNG、JPEG、WebP、SVGを使ってください。ペイントソフトのファイルには、normalganをインストールして「normalgan studio」を実行してください。",
   webSmall: "画像は{width} × {height}ピクセルです。スタジオで使えるのは一辺{least}〜{most}です。",
   webNoModules: "このブラウザはワーカーでモジュールを実行できないか、WebAssemblyがありません。",

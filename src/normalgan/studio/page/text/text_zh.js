@@ -337,6 +337,7 @@ export const words = {
   exporting: "正在导出…",
   exportEmpty: "还没有可导出的内容。请先画点什么。",
   webPython: "这需要 Python：请安装 normalgan 并运行“normalgan studio”，它可以打开在此保存的内容。",
+  webDamaged: "图片不完整或已损坏。请使用另一份副本。",
   webPicture: "此浏览器无法读取该图片。请使用 PNG、JPEG、WebP 或 SVG；绘画软件的文件请安装 normalgan 并运行“normalgan studio”。",
   webSmall: "图片为 {width} × {height} 像素；工作室接受每边 {least} 到 {most} 像素。",
   webNoModules: "此浏览器不支持在 Worker 中运行模块，或没有 WebAssembly。",
