@@ -22,8 +22,8 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     """Return whether the opaque part is an object and not just its lines, according to the reader.
 
     If the opaque part is an object, it covers nearly all of the object and is only partly ink. If it is
-    lines, it is nearly all ink and covers only part of the object. This is right for 94 % of 418 rendered
-    pictures, sheets and small figures.
+    lines, it is nearly all ink and covers only part of the object. ``tools/reader/measure.py --pages`` found
+    this right for 98 % of 280 pictures that were drawn from meshes.
 
     Args:
         picture: the drawing.
