@@ -117,9 +117,11 @@ UnitInterval = Annotated[float, Range(0, 1)]
 
 
 class RangeChecked:
-    """Base class of dataclasses whose constructor checks the ranges of the settings.
+    """Base class of plug-in kinds: the constructors of their dataclasses check the ranges of the settings.
 
-    A subclass with a ``__post_init__`` of its own calls this one first.
+    A subclass with a ``__post_init__`` of its own calls this one first. Groups of settings call
+    `check_ranges` themselves, because jsonargparse takes a dataclass with such a base for one of several
+    classes to choose from.
 
     Example:
         >>> @dataclass
@@ -137,8 +139,8 @@ class RangeChecked:
 def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
     """Check all settings of an object that its constructor annotates with a `Range` or a `Literal`.
 
-    Dataclasses derive from `RangeChecked`; other classes call this at the end of ``__init__``. If the
-    annotation is on a tuple, the tuple must hold two numbers, low then high.
+    Plug-ins that are dataclasses have this from `RangeChecked`; other classes call it in their constructor.
+    If the annotation is on a tuple, the tuple must hold two numbers, low then high.
 
     Args:
         settings: the object.

@@ -132,7 +132,7 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
 
 /**
  * Returns the ink of an object with a line just inside its silhouette, which covers the half-transparent pixels at its edge.
- * In a tiny object the line replaces the object's own outline.
+ * In a tiny object the line replaces the object's own outline, unless the object is nothing else.
  * @param {Float32Array} ink @param {Uint8Array} opaque @param {number} width @param {number} height @param {number} pixel side of the drawing's pixels in these
  * @returns {Float32Array}
  */
@@ -140,12 +140,13 @@ function outlined(ink, opaque, width, height, pixel) {
   const depth = distance(opaque, width, height, true);
   const [left, top, right, bottom] = boxOf(opaque, width, height) ?? [0, 0, 1, 1];
   const extent = Math.max(right - left, bottom - top);
-  const tiny = extent < TINY * pixel;
+  const tiny = extent < TINY * pixel && depth.some((each) => each >= RIM * pixel);
   const wide = Math.max(extent / 250, 1.5 * (tiny ? pixel / 2 : pixel));
   return ink.map((value, i) => {
     if (!opaque[i]) return 0;
     const line = Math.max(0, Math.min(1, wide + 0.5 - depth[i]));
-    return tiny && depth[i] < RIM * pixel ? line : tiny ? value : Math.max(value, line);
+    if (tiny) return depth[i] < RIM * pixel ? line : value;
+    return Math.max(value, line);
   });
 }
 

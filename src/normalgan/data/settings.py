@@ -6,12 +6,12 @@ from pathlib import Path
 
 from normalgan.data.splits import split_by_file, split_by_fractions
 from normalgan.errors import InputError
-from normalgan.ranges import Count, PositiveInt, RangeChecked, UnitInterval, check_ranges
+from normalgan.ranges import Count, PositiveInt, UnitInterval, check_ranges
 from normalgan.rendering.variation import Variation
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshOptions(RangeChecked):
+class MeshOptions:
     """Options for reading mesh files and for adding poses and variants.
 
     Args:
@@ -27,6 +27,9 @@ class MeshOptions(RangeChecked):
     crease_angle: float | None = None
     poses: Count = 0
     variants: Count = 0
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +100,7 @@ class Split:
 
 
 @dataclass(frozen=True)
-class Storage(RangeChecked):
+class Storage:
     """Resources of this machine, which do not affect the samples.
 
     Args:
@@ -109,6 +112,9 @@ class Storage(RangeChecked):
 
     memory: Count = 2 * 1024**3
     render_workers: Count = 2
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import extent_of
 from normalgan.inference.tiling import give_forms
 from normalgan.inference.vectors import unit
-from normalgan.ranges import RangeChecked, UnitInterval
+from normalgan.ranges import UnitInterval, check_ranges
 
 T = TypeVar("T", bound=np.generic)
 
@@ -62,7 +62,7 @@ DIRECTIONS: Floats = _directions()
 
 
 @dataclass(frozen=True)
-class Sprite(RangeChecked):
+class Sprite:
     """Adapts a predicted map to a sprite.
 
     Args:
@@ -75,6 +75,9 @@ class Sprite(RangeChecked):
     detail: UnitInterval = 0.0
     pixel_art: bool = False
     form: Form | None = None
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     @property
     def changes(self) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
-from normalgan.ranges import Range, RangeChecked, UnitInterval
+from normalgan.ranges import Range, UnitInterval, check_ranges
 from normalgan.rendering.mesh import Mesh
 
 
@@ -108,7 +108,7 @@ def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
 
 
 @dataclass(frozen=True)
-class Views(RangeChecked):
+class Views:
     """Random views of an object that fills the frame, with uniform distributions.
 
     Args:
@@ -127,6 +127,9 @@ class Views(RangeChecked):
     perspective: UnitInterval = 0.5
     field_of_view: Annotated[tuple[float, float], Range(1, 120)] = (20.0, 50.0)
     margin: Annotated[float, Range(0, 0.5, below=True)] = 0.06
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
         """Return a random camera that shows the whole mesh, centred, with ``margin`` on each side."""

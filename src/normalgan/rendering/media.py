@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.ranges import Range, RangeChecked, UnitInterval
+from normalgan.ranges import Range, UnitInterval, check_ranges
 
 
 @dataclass(frozen=True)
-class Medium(RangeChecked):
+class Medium:
     """Effects of pen, paper and scanner on the pixels of a drawing, after the strokes are drawn.
 
     Each effect has a random amount per drawing, from 0 to 1 times its setting.
@@ -35,6 +35,9 @@ class Medium(RangeChecked):
     tint: UnitInterval = 0.12
     shadow: UnitInterval = 0.15
     noise: UnitInterval = 0.03
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
         """Return the darkness of the finished picture, (H, W) in [0, 1], for its ink.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.files.source_hash import source_hash
-from normalgan.ranges import PositiveInt, RangeChecked
+from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.cameras import Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing, check_strokes
@@ -49,7 +49,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Recipe(RangeChecked):
+class Recipe:
     """Recipe for samples of a mesh; it creates the same samples in any order and on any machine.
 
     Args:
@@ -72,6 +72,9 @@ class Recipe(RangeChecked):
     seed: int = 0
     hand: Hand | None = None
     medium: Medium | None = None
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def check(self) -> None:
         """Raise `InputError` if this machine lacks a requirement of the renderer."""

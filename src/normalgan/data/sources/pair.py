@@ -14,7 +14,7 @@ from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import resize
 from normalgan.normals import normalize
-from normalgan.ranges import PositiveInt, RangeChecked
+from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.samples import Sample
 
 PAIRS_VERSION = 3
@@ -74,7 +74,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class PairRecipe(RangeChecked):
+class PairRecipe:
     """Recipe for a sample from a pair: the sketch is cleaned and framed like a drawing in prediction.
 
     This way, training sketches look like the input of the trained model. The normals are cropped in the
@@ -89,6 +89,9 @@ class PairRecipe(RangeChecked):
 
     size: PositiveInt = 256
     hints: bool = False
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def check(self) -> None:
         """Do nothing, because there are no requirements."""

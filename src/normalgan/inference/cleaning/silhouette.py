@@ -52,7 +52,7 @@ def outlined(ink: Floats, silhouette: BoolMask, drawn_pixel: float = 1.0) -> Flo
     """Return the ink (H, W) of an object with a line along its silhouette.
 
     The line is added to the object's own outline. In a tiny object, such as 16 × 16 pixel art, it replaces
-    the outline.
+    the outline, unless the object is nothing but outline.
 
     Args:
         ink: (H, W) in [0, 1], the ink of the drawing.
@@ -60,10 +60,10 @@ def outlined(ink: Floats, silhouette: BoolMask, drawn_pixel: float = 1.0) -> Flo
         drawn_pixel: side of the original drawing's pixels in pixels of ``ink``.
     """
     own = np.where(silhouette, ink, 0).astype(np.float32)
-    if extent_of(silhouette) >= _TINY * drawn_pixel:
-        return np.maximum(own, contour(silhouette, drawn_pixel))
-    rim = silhouette & (depth_of(silhouette) < _RIM * drawn_pixel)
-    return np.where(rim, contour(silhouette, drawn_pixel / 2), own)
+    inside = depth_of(silhouette) >= _RIM * drawn_pixel
+    if extent_of(silhouette) < _TINY * drawn_pixel and inside.any():
+        return np.where(inside, own, contour(silhouette, drawn_pixel / 2))
+    return np.maximum(own, contour(silhouette, drawn_pixel))
 
 
 def contour(silhouette: BoolMask, drawn_pixel: float = 1.0) -> Floats:

@@ -6,7 +6,7 @@ from typing import Annotated, Self, get_type_hints
 
 import numpy as np
 
-from normalgan.ranges import Range, RangeChecked, UnitInterval
+from normalgan.ranges import Range, UnitInterval, check_ranges
 from normalgan.rendering.hand.distortion import follow, random_distortion
 from normalgan.rendering.hand.effects import (
     STEP,
@@ -32,7 +32,7 @@ _Factor = Annotated[float, Range(0, 2)]
 
 
 @dataclass(frozen=True)
-class Hand(RangeChecked):
+class Hand:
     """The kinds, sizes and frequencies of a person's drawing errors.
 
     Lengths are fractions of the frame's side, so that a drawing looks the same at every size. 0 turns an
@@ -80,6 +80,10 @@ class Hand(RangeChecked):
     taper: Annotated[float, Range(0, 0.95)] = 0.4
     slowness: _Factor = 0.2
     pen: Annotated[tuple[float, float], Range(0.1, 10)] = (0.9, 3.0)
+
+    def __post_init__(self) -> None:
+        """Check that all settings are in range."""
+        check_ranges(self)
 
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator

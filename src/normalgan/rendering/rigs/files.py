@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.ranges import Count, RangeChecked, UnitInterval
+from normalgan.ranges import Count, UnitInterval, check_ranges
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
@@ -22,7 +22,7 @@ _POSTURES_VERSION = 1
 
 
 @dataclass(frozen=True)
-class RiggedFile(RangeChecked):
+class RiggedFile:
     """A random pose of a rigged glTF file, determined by its number; a `MeshSource`.
 
     Args:
@@ -35,6 +35,9 @@ class RiggedFile(RangeChecked):
     file: MeshFile
     pose: Count
     postures: UnitInterval = 0.0
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     @property
     def name(self) -> str:

@@ -3,13 +3,13 @@
 from dataclasses import dataclass, fields, replace
 from typing import Annotated
 
-from normalgan.ranges import Range, RangeChecked
+from normalgan.ranges import Range, check_ranges
 
 _Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to zero
 
 
 @dataclass(frozen=True)
-class Variation(RangeChecked):
+class Variation:
     """How much variants differ from their mesh. If all strengths are 0, variants are identical to it.
 
     Args:
@@ -51,6 +51,10 @@ class Variation(RangeChecked):
     asymmetry: _Part = 0.4
     joints: Annotated[float, Range(0, 90)] = 0.0
     tilt: Annotated[float, Range(0, 180)] = 0.0
+
+    def __post_init__(self) -> None:
+        """Check that all strengths are in range."""
+        check_ranges(self)
 
     def times(self, amount: float) -> "Variation":
         """Return all strengths multiplied by ``amount``, except the asymmetry, which is relative to them."""

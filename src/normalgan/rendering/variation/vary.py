@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles, Indices
-from normalgan.ranges import Count, RangeChecked
+from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.variation.deformations import (
     Deformation,
@@ -246,7 +246,7 @@ _VARIATION_VERSION = 1
 
 
 @dataclass(frozen=True)
-class Varied(RangeChecked):
+class Varied:
     """A random variant of a mesh, determined by its number; a `MeshSource`.
 
     Args:
@@ -258,6 +258,9 @@ class Varied(RangeChecked):
     source: MeshSource
     variation: Variation
     number: Count
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     @property
     def name(self) -> str:
