@@ -149,6 +149,14 @@ function png({ width, height, normals = new Float32Array(), mask = new Uint8Arra
   return encodePng(levels, width, height, bits);
 }
 
+/** Returns whether a picture is not cut off: an image element shows what there is of it, but a bitmap is made of whole files alone. @param {Blob} file */
+async function isWhole(file) {
+  if (/^\s*</.test(await file.slice(0, 64).text())) return true; // an SVG, of which no bitmap can be made
+  const bitmap = await createImageBitmap(file).catch(() => null);
+  bitmap?.close();
+  return bitmap !== null;
+}
+
 /** Reads a picture as the browser can. @param {Blob} file */
 async function picture(file) {
   const image = new Image();
@@ -160,9 +168,7 @@ async function picture(file) {
   } finally {
     URL.revokeObjectURL(image.src);
   }
-  // An image element shows what there is of a file that is cut off. A bitmap is made of whole files alone, but not of an SVG.
-  const vector = /^\s*</.test(await file.slice(0, 64).text());
-  if (!vector && !(await createImageBitmap(file).catch(() => null))) return refused((await words()).text.webDamaged, 400);
+  if (!(await isWhole(file))) return refused((await words()).text.webDamaged, 400);
   const given = [image.naturalWidth || 1024, image.naturalHeight || 1024];
   const { least, most } = LIMITS.sides;
   const scale = Math.min(1, most / Math.max(...given));

@@ -148,7 +148,7 @@ class NormalMapMetric(MapMetric):
 
     @abstractmethod
     def value(self) -> Tensor:
-        """Return the metric of at least one pixel, all of them finite."""
+        """Return the metric; there is at least one pixel, and all values are finite."""
 
     def mean(self, total: Tensor) -> Tensor:
         """Return the mean over pixels for a sum of the state, which is counted in fractions."""
