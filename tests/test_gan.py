@@ -341,24 +341,27 @@ def test_accumulating_gradients_by_a_callback_is_refused_in_a_whole_sentence(tmp
         run.fit(make(), loader())
 
 
-class Dropping(Generator):
-    """A convolution and a dropout of some kind, in three and four dimensions."""
+def dropping(dropout: nn.Module) -> Generator:
+    """Return a convolution and a dropout of some kind, in three and four dimensions."""
 
-    def __init__(self, dropout: nn.Module) -> None:
-        super().__init__()
-        self.body = nn.Conv2d(4, 8, 1)
-        self.dropout = dropout
-        self.head = nn.Conv2d(8, 3, 1)
+    class Dropping(Generator):
+        def __init__(self) -> None:
+            super().__init__()
+            self.body = nn.Conv2d(4, 8, 1)
+            self.dropout = dropout
+            self.head = nn.Conv2d(8, 3, 1)
 
-    def forward(self, condition: Tensor) -> Tensor:
-        features: Tensor = self.body(condition)
-        if isinstance(self.dropout, nn.Dropout1d):
-            noisy = self.dropout(features.flatten(2)).view_as(features)
-        elif isinstance(self.dropout, nn.Dropout3d):
-            noisy = self.dropout(features[..., None])[..., 0]
-        else:
-            noisy = self.dropout(features)
-        return torch.tanh(self.head(noisy))
+        def forward(self, condition: Tensor) -> Tensor:
+            features: Tensor = self.body(condition)
+            if isinstance(self.dropout, nn.Dropout1d):
+                noisy = self.dropout(features.flatten(2)).view_as(features)
+            elif isinstance(self.dropout, nn.Dropout3d):
+                noisy = self.dropout(features[..., None])[..., 0]
+            else:
+                noisy = self.dropout(features)
+            return torch.tanh(self.head(noisy))
+
+    return Dropping()
 
 
 @pytest.mark.parametrize(
@@ -366,7 +369,7 @@ class Dropping(Generator):
 )
 def test_noise_at_test_keeps_every_kind_of_dropout_on(kind: Callable[[float], nn.Module]) -> None:
     for noise in (False, True):
-        gan = make(generator=Dropping(kind(0.5)), noise_at_test=noise)
+        gan = make(generator=dropping(kind(0.5)), noise_at_test=noise)
         gan.eval()
         gan.keep_noise()
         sketch = torch.rand(2, 1, 32, 32)

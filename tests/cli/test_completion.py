@@ -1,7 +1,9 @@
 """A shell completes what there is, by a script made once."""
 
+import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,37 @@ def test_bash_completes_commands_settings_and_classes(tmp_path: Path) -> None:
     assert "--preview" in completed(script, "normalgan", "generate", "--prev")
     assert completed(script, "normalgan", "render", "--data.lines", "Sug") == ["SuggestiveContours"]
     assert completed(script, "normalgan", "render", "--model.generator.help", "UN") == ["UNetGenerator"]
+
+
+NESTED = """
+from torch.nn import Module
+from normalgan.__main__ import main
+from normalgan.hints import HINT_SAMPLERS, HintSampler
+
+@HINT_SAMPLERS.register
+class Mixed(HintSampler):
+    def __init__(self, inner: HintSampler%s, network: Module) -> None: ...
+    def sample(self, normal, mask, rng): ...
+
+raise SystemExit(main(["completion", "bash"]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("optional", [True, False])
+def test_a_plug_in_within_another_of_its_kind_is_completed_once_or_refused(optional: bool) -> None:
+    pytest.importorskip("shtab", reason="shtab is not installed")
+    code = NESTED % (" | None" if optional else "")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if optional:
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "--model.hint_sampler.inner" in done.stdout
+        assert "--model.hint_sampler.network" in done.stdout
+        assert not re.search(r"--model\.hint_sampler\.\w+\.(inner|network)", done.stdout)
+    else:
+        assert (done.returncode, done.stdout) == (2, "")
+        assert len(done.stderr.splitlines()) == 1
+        assert "let Mixed(inner) be None too" in done.stderr
 
 
 def test_an_unknown_shell_and_a_missing_package_are_one_sentence(

@@ -1,11 +1,12 @@
 """normalgan completion: print a script that completes commands, settings and class names in a shell."""
 
+import inspect
 import re
 from collections.abc import Sequence
 from importlib import import_module
 from importlib.util import find_spec
 
-from jsonargparse import ArgumentParser
+from jsonargparse import ArgumentParser, set_parsing_settings
 
 from normalgan.cli.commands import OTHERS
 from normalgan.cli.parsing.light_parser import LightParser
@@ -45,7 +46,7 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         training: training commands to include; all other commands are always included.
 
     Raises:
-        InputError: if shtab is not installed.
+        InputError: if shtab is not installed, or a plug-in has a parameter for plug-ins of its own kind.
     """
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
@@ -53,6 +54,18 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     from normalgan.cli.discovery import REGISTRIES
     from normalgan.cli.training.command import training_parser
 
+    # jsonargparse 4.53 would follow such a parameter without end; one that may be None it follows once.
+    nested = [
+        f"{plugin.__name__}({parameter})"
+        for registry in REGISTRIES.values()
+        for plugin in registry
+        for parameter in _own_kind(plugin)
+    ]
+    if nested:
+        raise InputError(
+            f"completion cannot list plug-ins within plug-ins of their own kind: let {', '.join(nested)} "
+            "be None too, as in `inner: HintSampler | None`."
+        )
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()
     for name in training:
@@ -60,7 +73,26 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     for name, module in OTHERS.items():
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())
-    script: str = whole.get_completion_script(f"shtab-{shell}")
+    set_parsing_settings(subclasses_disabled=[_any_module])
+    try:
+        script: str = whole.get_completion_script(f"shtab-{shell}")
+    finally:
+        set_parsing_settings(subclasses_enabled=[_any_module.__name__])
     # jsonargparse completes full import paths, but users type class names.
     names = "|".join(name for registry in REGISTRIES.values() for name in registry.names())
     return re.sub(rf"\b(?:\w+\.)+({names})\b", r"\1", script)
+
+
+def _own_kind(plugin: type) -> list[str]:
+    """Return the parameters of a class that must be instances of a class that it derives from."""
+    try:
+        parameters = inspect.signature(plugin, eval_str=True).parameters.values()
+    except NameError:  # a type that is imported for type checkers alone
+        return []
+    kinds = {given.name: given.annotation for given in parameters if isinstance(given.annotation, type)}
+    return [name for name, kind in kinds.items() if issubclass(plugin, kind) and not _any_module(kind)]
+
+
+def _any_module(cls: type) -> bool:
+    """Return whether a parameter takes all of torch's modules, whose settings, and theirs, are not listed."""
+    return f"{cls.__module__}.{cls.__qualname__}" == "torch.nn.modules.module.Module"
