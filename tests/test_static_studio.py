@@ -205,6 +205,19 @@ def test_a_banner_is_the_object_as_in_python(studio: "Page", shape: tuple[int, i
     assert np.count_nonzero(found != wanted) < 20
 
 
+@pytest.mark.parametrize("drawn", [True, False])
+def test_an_opaque_rectangle_is_a_card_or_the_object_as_in_python(studio: "Page", drawn: bool) -> None:
+    rgba = np.full((200, 300, 4), (255, 255, 255, 255) if drawn else (120, 120, 120, 255), np.uint8)
+    if drawn:
+        rgba[..., :3] = np.rint(255 * (1 - outline(blob())))[..., None]
+    rgba = np.pad(rgba, ((20, 20), (20, 20), (0, 0)))
+    wanted = python()(rgba).mask
+    assert wanted[120, 170]
+    assert bool(wanted[30, 30]) is not drawn
+    found = decoded(studio.evaluate(ASK, [*encoded(rgba), {}]), (240, 340))[..., 3] > 127
+    assert np.count_nonzero(found != wanted) < 20
+
+
 def icon(side: int) -> NDArray[np.uint8]:
     """A red disc (side, side, 4) with a dark outline on nothing, drawn large and reduced."""
     big = np.zeros((8 * side, 8 * side, 4), np.float32)

@@ -110,7 +110,7 @@ def _scores(made: Page, measured: Measured) -> list[float]:
 
 
 def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> None:
-    """Print how often opaque objects, and opaque lines, are recognised as such."""
+    """Print how often opaque objects, opaque lines, and cards around lines are recognised as such."""
     rng = np.random.default_rng(71)
     right: dict[str, list[bool]] = {}
     for number in rng.permutation(len(shapes))[:count]:
@@ -124,6 +124,10 @@ def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> No
         y, x = np.unravel_index(int(depth.argmax()), depth.shape)
         opened = body.copy()
         cv2.circle(opened, (int(x), int(y)), round(0.6 * float(depth.max())), (0,), -1)
+        room, half = rng.integers(0, side // 8), rng.integers(side // 8, side // 2, 2)
+        card, box = np.zeros((2, side, side), np.float32)
+        card[room : side - room, room : side - room] = 1
+        box[side // 2 - half[0] : side // 2 + half[0], side // 2 - half[1] : side // 2 + half[1]] = 1
         for kind, paint, alpha, is_object in (
             ("flat black", 0.0, body, True),
             ("flat dark", dark, body, True),
@@ -132,9 +136,11 @@ def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> No
             ("black, pierced", 0.0, opened, True),
             ("lines", rng.choice([0.0, 0.5]), pen, False),
             ("half black", 0.0, np.maximum(lower, ink), False),
+            ("box", rng.uniform(0, 1, 3), box, True),
+            ("card", rng.uniform(0.8, 1, 3) * (1 - ink[..., None]), card, False),
         ):
             colour = np.ascontiguousarray(np.broadcast_to(np.float32(paint), (side, side, 3)))
-            found = is_silhouette(Picture(colour, alpha))
+            found = is_silhouette(Picture(colour, alpha, cut_out=True))
             right.setdefault(kind, []).append(found == is_object)
     for kind, each in right.items():
         print(f"opacity: {kind:16} right {np.mean(each):.3f} of {len(each)}")

@@ -34,7 +34,7 @@ export class Unpaintable extends Error {
 }
 
 const { LEAST } = INK;
-const { RIM, SHEET, SURE, TINY } = SILHOUETTE;
+const { HELD, RIM, SHEET, SURE, TINY } = SILHOUETTE;
 
 /**
  * Prepares a drawing.
@@ -101,7 +101,7 @@ function between(values, low, high) {
 }
 
 /**
- * Returns whether the opaque part is an object and not only its lines: according to the reader, the share of ink in it is smaller than the opaque share of the object.
+ * Returns whether the opaque part is an object and neither only its lines nor a card around it: according to the reader, the share of ink in it is smaller than the opaque share of the object, and the object is most of a rectangle.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {import("./reader.js").Reading} reading @param {import("./reader.js").Network} network
  */
 async function isSilhouette({ pixels, width, height, channels }, reading, network) {
@@ -110,15 +110,18 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
   const found = boxOf(opaque, width, height);
   if (!found || sumOf(opaque) > SHEET * opaque.length) return false;
   let [left, top, right, bottom] = found;
-  const extent = Math.max(right - left, bottom - top);
-  if (extent < Math.max(width, height) / 2) {
-    // The reader sees small drawings on a page poorly.
-    const room = (extent >> 3) + 2;
-    [left, top, right, bottom] = [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];
-    const [wide, high] = [right - left, bottom - top];
-    alpha = part(alpha, width, height, [left, top, right, bottom]);
-    reading = await read({ pixels: new Uint8Array(part(pixels, width, height, [left, top, right, bottom], 4)), width: wide, height: high, channels }, network);
-    [width, height] = [wide, high];
+  const [wide, high] = [right - left, bottom - top];
+  const extent = Math.max(wide, high);
+  const room = (extent >> 3) + 2;
+  const rectangle = sumOf(opaque) > SHEET * wide * high;
+  if (rectangle || extent < Math.max(width, height) / 2) {
+    // The reader sees small drawings on a page poorly, and a box without room around it looks like paper.
+    [left, top, right, bottom] = rectangle ? [left - room, top - room, right + room, bottom + room] : [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];
+    /** @type {[number, number, number, number]} */
+    const box = [left, top, right, bottom];
+    alpha = part(alpha, width, height, box);
+    reading = await read({ pixels: new Uint8Array(part(pixels, width, height, box, 4)), width: right - left, height: bottom - top, channels }, network);
+    [width, height] = [right - left, bottom - top];
   }
   const shown = resized(alpha, width, height, reading.width, reading.height, 1, Math.max(reading.width, reading.height) < Math.max(width, height) ? "lines" : "points");
   let [all, inked, present, covered] = [0, 0, 0, 0];
@@ -127,7 +130,7 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
     inked += value * reading.ink[i];
     if (reading.presence[i] > 0.5) [present, covered] = [present + 1, covered + value];
   });
-  return inked / all <= covered / Math.max(present, 1) + SURE;
+  return inked / all <= covered / Math.max(present, 1) + SURE && (!rectangle || covered > HELD * all);
 }
 
 /**

@@ -283,11 +283,12 @@ class JobPredictor:
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Predict the frames of an animation or the pages of a file, and write their outputs."""
+        outputs, target = self.writer.outputs, _moving_target(job, drawing, self.writer.outputs)
         found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each), job.files) for each in found.frames]
         shared = self.frame == "shared" if pages else self.frame != "own"
         predicted = predict_series(self.predictor, members, shared, shared and not pages, self.size)
-        outputs, problems = self.writer.outputs, _Problems("page" if pages else "frame")
+        problems = _Problems("page" if pages else "frame")
         moves = outputs.normal.plain and not pages
         pixels: list[NDArray[np.uint8]] = []
         held: list[Held] = []
@@ -303,7 +304,6 @@ class JobPredictor:
                 maps.append(own.target)
         if len(problems.errors) == len(members):
             raise problems.errors[0]
-        target = _moving_target(job, drawing, outputs)
         if not outputs.whole_batch:
             self.writer.write_held(held)
             held = []

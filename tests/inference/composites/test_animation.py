@@ -132,6 +132,7 @@ def test_frames_for_an_engine_are_pictures_that_it_imports(
     assert not list(Path("normals").glob("*.webp"))
     assert generate("walk.webp", "--engine", engine, "-o", "one.png") == 2
     assert "one.png holds one map, but walk.webp has several pictures" in capsys.readouterr().err
+    assert not list(here.glob("one*"))
 
 
 def test_a_frame_for_all_keeps_what_stands_still(here: Path) -> None:

@@ -98,6 +98,26 @@ def test_four_sprites_in_a_row_keep_their_opacity_as_mask() -> None:
     assert not is_silhouette(painted(dashes))
 
 
+@pytest.mark.parametrize("how", [(), ("--split", "auto"), ("--sheet", "3x1")])
+def test_a_box_that_fills_its_cell_is_an_object_and_no_paper(here: Path, how: tuple[str, ...]) -> None:
+    sheet = np.zeros((64, 192, 4), np.uint8)
+    sheet[:, :192] = sheet_of([sprite(blob((64, 64), (32, 32), 24))] * 3)
+    sheet[4:60, 72:120] = 150, 100, 60, 255  # a flat crate, which fills its part of an uncut sheet
+    sheet[:, 128:] = 150, 100, 60, 255  # and one that fills its cell
+    Image.fromarray(sheet).save("crates.png")
+    assert generate("crates.png", *how, "--alpha", "--pad", "0") == 0
+    assert np.array_equal(pixels("normals/crates_normal.png")[..., 3], sheet[..., 3])
+
+
+def test_a_card_that_lines_are_drawn_on_is_no_object() -> None:
+    alpha = np.pad(np.ones((160, 200), np.float32), 20)
+    lines = np.pad(outline(blob((160, 200), (80, 90), 40)), 20)
+    for paper in (1.0, 0.85):
+        card = Picture(np.repeat((paper * (1 - lines))[..., None], 3, 2).astype(np.float32), alpha)
+        assert not is_silhouette(card)
+    assert is_silhouette(Picture(np.full((200, 240, 3), 0.5, np.float32), alpha))
+
+
 def test_islands_are_found_whatever_their_places(here: Path) -> None:
     """Sprites packed without a grid, one with an eye of its own apart from it, one in the bend of another."""
     sheet = np.zeros((260, 320, 4), np.uint8)

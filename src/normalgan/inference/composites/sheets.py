@@ -140,7 +140,9 @@ def drawings_in(
     reading: Reading | None = None,
 ) -> list[tuple[Cell, Member]]:
     """Return the non-empty cells of a sheet with their drawings; arguments as in `predict_sheet`."""
-    members = [(cell, _member(cell, sheet.pixels, hints, mask, holes)) for cell in cells]
+    pixels = sheet.pixels
+    clear = pixels.ndim == 3 and pixels.shape[2] == 4 and bool(np.ptp(pixels[..., 3]))
+    members = [(cell, _member(cell, pixels, hints, mask, holes, clear)) for cell in cells]
     return [
         (cell, member if reading is None else replace(member, reading=_shared(reading, cell, sheet.shape)))
         for cell, member in members
@@ -179,10 +181,10 @@ def _member(
     hints: Hints | None,
     mask: MaskOrSource,
     holes: Sequence[tuple[float, float]],
+    clear: bool,
 ) -> Member | None:
-    """Return the drawing in a cell; None if the cell is empty."""
+    """Return the drawing in a cell of a sheet that has ``clear`` parts or none; None if the cell is empty."""
     part = pixels[cell.box].copy()
-    clear = part.ndim == 3 and part.shape[2] == 4
     if cell.own is not None and not cell.own.all():
         part[~cell.own] = 0 if clear else _ground(part, cell.own)
     part = np.ascontiguousarray(cell.upright(part))
@@ -192,6 +194,9 @@ def _member(
     if isinstance(own, np.ndarray) and not own.any():
         return None
     picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
+    if clear:
+        opacity = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
+        picture = replace(picture, alpha=opacity, cut_out=True)
     return Member(picture, None if hints is None else cell.local(hints), own, cell.points(holes))
 
 

@@ -23,15 +23,18 @@ class Picture:
 
     Args:
         colour: (h, w, 3) in [0, 1], red, green and blue, not premultiplied.
-        alpha: (h, w) in [0, 1], opacity; None if every pixel is opaque.
+        alpha: (h, w) in [0, 1], opacity; None if every pixel is opaque and it was not cut out.
         full: (H, W) of the file if it has more pixels; otherwise None.
         notes: differences between the picture and how the file looks in the program that wrote it.
+        cut_out: whether it was cut out of a sheet with transparent parts, so that an opaque rectangle is a
+            drawing, such as a crate, and not its paper.
     """
 
     colour: Floats
     alpha: Floats | None
     full: tuple[int, int] | None = None
     notes: FileNotes = field(default_factory=FileNotes)
+    cut_out: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -53,7 +56,7 @@ class Picture:
         # Colours of transparent pixels must not bleed into visible ones.
         seen = by(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
         colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
-        return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1))
+        return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1), cut_out=self.cut_out)
 
 
 def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
