@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.findings import Finding
-from normalgan.inference.mask.decision import Decision, decide
+from normalgan.inference.mask.decision import Decision, NoRegionError, decide
 from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
@@ -155,7 +155,10 @@ def _decided(
         holes: as in `prepare`.
         scale: pixels of ``walls`` per pixel of the drawing.
     """
-    decision = decide(walls, reading, [(x * scale, y * scale) for x, y in holes])
+    try:
+        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in holes])
+    except NoRegionError as error:
+        raise NoRegionError.at(error.x / scale, error.y / scale) from None
     if not decision.mask.any() and not holes:
         return replace(prepared, unsure=(Finding("guessed"),), decision=decision, reading=reading)
     unsure = tuple(

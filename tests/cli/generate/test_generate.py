@@ -391,6 +391,9 @@ def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixtu
     ):
         assert generate("fox.png", "--hole", point) == 2
         assert sentence in capfd.readouterr().err
+    Image.open("fox.png").reduce(4).save("icon.png")  # worked on at the model's size
+    assert generate("icon.png", "--hole", "2,2") == 2
+    assert "icon.png: no enclosed region lies at x 2, y 2;" in capfd.readouterr().err
     Image.fromarray(255 - GREY).save("other.png")
     assert generate("fox.png", "other.png", "--hole", "170,90") == 2
     assert "a hole is a point of one drawing, but there are 2" in capfd.readouterr().err

@@ -61,6 +61,8 @@ def test_a_hole_is_cut_in_the_drawing_of_a_sheet_where_a_point_says(
         mask = pixels("normals/sheet_normal.png")[..., 3]
         assert mask[52, [50, 146, 242]].tolist() == [255, 0, 255]
     capfd.readouterr()
+    assert generate("sheet.png", "--hole", "98,2", "--sheet", "3x2") == 2
+    assert "sheet.png: no enclosed region lies at x 98, y 2; give a point" in capfd.readouterr().err
     assert generate("sheet.png", "--hole", "2,2", "--split", "auto") == 2
     assert "no drawing of the sheet lies at x 2, y 2; give a point" in capfd.readouterr().err
 

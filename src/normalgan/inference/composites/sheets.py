@@ -16,6 +16,7 @@ from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.findings import Finding, join
+from normalgan.inference.mask.decision import NoRegionError
 from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream
@@ -123,6 +124,10 @@ def predict_sheet(
     done = [(cell, each) for (cell, _), each in zip(single, predicted, strict=True)]
     done += _repeated(predictor, [(cell, member) for cell, member in large if cell.tile is not None])
     done += [(cell, _too_small(cell)) for cell, _ in drawn if min(cell.width, cell.height) < SMALLEST]
+    for cell, each in done:
+        if isinstance(each, NoRegionError):
+            ((x, y),) = cell.in_sheet([(each.x, each.y)])
+            raise NoRegionError.at(x / scale, y / scale)
     fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
     if not fine:
         cell, error = done[0]

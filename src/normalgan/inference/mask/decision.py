@@ -34,6 +34,28 @@ _BESIDE = 0.01
 the outline works too."""
 
 
+class NoRegionError(InputError):
+    """Raised if no lines enclose a region at a point.
+
+    Args:
+        words: sentence that says so.
+        x: column of the point.
+        y: row of the point.
+    """
+
+    def __init__(self, words: str, x: float = 0.0, y: float = 0.0) -> None:
+        self.x, self.y = x, y
+        super().__init__(words)
+
+    @classmethod
+    def at(cls, x: float, y: float) -> "NoRegionError":
+        """Return the error for a point."""
+        words = (
+            f"no enclosed region lies at x {x:g}, y {y:g}; give a point inside closed lines (see --explain)."
+        )
+        return cls(words, x, y)
+
+
 @dataclass(frozen=True)
 class Decision:
     """The object in a drawing, and how it was found; (h, w) is the size of the vote.
@@ -94,7 +116,7 @@ def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, fl
         holes: x and y of points whose enclosed regions change from object to hole, or from hole to object.
 
     Raises:
-        InputError: if a point lies in no enclosed region.
+        NoRegionError: if a point lies in no enclosed region.
 
     Example:
         >>> ink = np.zeros((64, 64), np.float32)
@@ -195,9 +217,7 @@ def _region_at(x: float, y: float, shape: tuple[int, int], found: _Regions) -> i
     rows, columns = np.nonzero(enclosed[part])
     # Only a point on a line or off the picture stands for a region beside it.
     if number or not len(rows):
-        raise InputError(
-            f"no enclosed region lies at x {x:g}, y {y:g}; give a point inside closed lines (see --explain)."
-        )
+        raise NoRegionError.at(x, y)
     away = np.hypot(rows + top - int(row), columns + left - int(column))
     nearest = int(away.argmin())
     return int(part[rows[nearest], columns[nearest]])
