@@ -13,9 +13,9 @@ from interpreter import loaded
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
-        {"errors", "batch", "arrays", "vectors", "version"},
+        {"errors", "batch", "arrays", "vectors", "version", "progress"},
         {"files", "registry", "line_widths", "contracts", "ranges", "records", "graphs"},
-        {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
+        {"normals", "commit", "seeds", "decoding", "warning_filters"},
     ),
     "the method": (
         {"metrics", "models", "rendering"},

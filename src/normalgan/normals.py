@@ -102,7 +102,8 @@ def vectors(levels: NDArray[Any]) -> Floats:
     """
     if np.issubdtype(levels.dtype, np.floating):
         found = np.asarray(levels, np.float32)
-        return found if levels.size and float(levels.min()) < -0.01 else found * 2 - 1
+        # A renderer may write NaN or infinity where there is no surface.
+        return found if ((found < -0.01) & np.isfinite(found)).any() else found * 2 - 1
     top = np.float32(np.iinfo(levels.dtype).max)
     return np.asarray(levels.astype(np.float32) / top * 2 - 1, np.float32)
 

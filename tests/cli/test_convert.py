@@ -53,6 +53,36 @@ def test_normals_and_heights_are_turned_into_each_other(hill: Path, tmp_path: Pa
     assert off(normals, NORMALS) < 1.5
 
 
+@pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("vectors", [True, False], ids=["vectors", "colours"])
+def test_pixels_that_are_not_finite_are_transparent_and_the_others_stay(
+    tmp_path: Path, nothing: float, vectors: bool
+) -> None:
+    there = X**2 + Y**2 < 0.5
+    held = np.where(there[..., None], NORMALS if vectors else (NORMALS + 1) / 2, nothing).astype(np.float32)
+    cv2.imwrite(str(tmp_path / "pass.tiff"), held[..., ::-1])
+    out = tmp_path / "out.png"
+    assert main(["convert", str(tmp_path / "pass.tiff"), "-o", str(out), "--bits", "16"]) == 0
+    found, alpha = read_normals(out)
+    np.testing.assert_array_equal(alpha, there)
+    assert np.asarray(angles(normalize(found)[there], NORMALS[there])).max() < 0.1
+
+
+def test_a_map_without_a_finite_pixel_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cv2.imwrite(str(tmp_path / "pass.tiff"), np.full((16, 16, 3), np.nan, np.float32))
+    assert main(["convert", str(tmp_path / "pass.tiff"), "-o", str(tmp_path / "out.png")]) == 2
+    assert "pass.tiff has no pixel with finite numbers." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("mode", ["L", "LA", "RGB"])
+def test_a_grey_picture_is_not_a_normal_map(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], mode: str
+) -> None:
+    Image.fromarray(np.rint(30 * HEIGHT).astype(np.uint8)).convert(mode).save(tmp_path / "grey.png")
+    assert main(["convert", str(tmp_path / "grey.png"), "-o", str(tmp_path / "out.png")]) == 2
+    assert "grey.png is grey; a normal map needs three channels." in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("middle", [127, 128])
 def test_the_heights_of_a_flat_area_are_level(tmp_path: Path, middle: int) -> None:
     flat = np.full((60, 300, 3), [255, middle, middle], np.uint8)  # blue first

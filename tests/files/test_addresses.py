@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -27,6 +27,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
     """Serves one file at any address that ends in model.onnx, as the hub's server does."""
 
     asked: list[str]
+    shown = threading.Event()  # whether the half of a file that is sent at once was shown
 
     def do_HEAD(self) -> None:
         self._answer(False)
@@ -55,6 +56,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         if "/slow/body/" in self.path:
             self._drip()
+        elif body and "/half/" in self.path:
+            self.wfile.write(content[: len(content) // 2])
+            self.wfile.flush()
+            self.shown.wait(30)
+            self.wfile.write(content[len(content) // 2 :])
         elif body:
             self.wfile.write(content[:1000] if "/cut/" in self.path else content)
 
@@ -141,6 +147,30 @@ def test_a_server_that_drips_does_not_hold_us(
     with pytest.raises(InputError, match=said):
         normalgan.load(f"{server}/slow/{where}/model.onnx#sha256={SHA}")
     assert not (tmp_path / "kept").exists()
+
+
+def test_a_slow_download_is_shown_while_it_lasts(server: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    bars: list[tuple[str, int]] = []
+    steps: list[int] = []
+
+    def advance(more: int) -> None:
+        steps.append(more)
+        if sum(steps) >= SHIPPED.stat().st_size // 2000:
+            Handler.shown.set()
+
+    @contextlib.contextmanager
+    def bar(title: str, total: int, unit: str, shown: bool, stays: bool) -> Iterator[Callable[[int], None]]:
+        bars.append((f"{title}, {unit}", total))
+        assert shown
+        assert not stays
+        yield advance
+
+    monkeypatch.setattr("normalgan.files.addresses.progress_bar", bar)
+    monkeypatch.setattr("normalgan.files.addresses._STEP", 0.01)
+    Handler.shown.clear()
+    assert local_file(f"{server}/half/model.onnx#sha256={SHA}").is_file()
+    assert bars == [("downloading model.onnx, kB", SHIPPED.stat().st_size // 1000)]
+    assert Handler.shown.is_set()
 
 
 def test_an_address_that_does_not_answer_is_told_in_a_sentence(server: str, tmp_path: Path) -> None:

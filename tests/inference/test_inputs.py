@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -44,8 +45,20 @@ def sketch(tmp_path: Path) -> Path:
         (GREY / np.float32(255)).astype(np.float32),
         Image.fromarray(GREY),
         Image.fromarray(GREY).convert("RGB"),
+        torch.from_numpy(GREY),
+        torch.from_numpy(GREY / np.float32(255)),
     ],
-    ids=["grey", "RGB", "RGBA", "uint16", "floats", "Pillow's grey", "Pillow's RGB"],
+    ids=[
+        "grey",
+        "RGB",
+        "RGBA",
+        "uint16",
+        "floats",
+        "Pillow's grey",
+        "Pillow's RGB",
+        "tensor",
+        "floats' tensor",
+    ],
 )
 def test_a_drawing_in_any_form_is_the_file(sketch: Path, image: Any) -> None:
     assert_same(prepare_any(image, 64), prepare_any(sketch, 64))
@@ -54,8 +67,14 @@ def test_a_drawing_in_any_form_is_the_file(sketch: Path, image: Any) -> None:
 
 @pytest.mark.parametrize(
     "mask",
-    [FILLED, FILLED.astype(np.uint8) * 255, FILLED.astype(float), Image.fromarray(FILLED)],
-    ids=["bool", "uint8", "floats", "Pillow"],
+    [
+        FILLED,
+        FILLED.astype(np.uint8) * 255,
+        FILLED.astype(float),
+        Image.fromarray(FILLED),
+        torch.from_numpy(FILLED),
+    ],
+    ids=["bool", "uint8", "floats", "Pillow", "tensor"],
 )
 def test_a_mask_in_any_form_is_the_file(sketch: Path, tmp_path: Path, mask: Any) -> None:
     Image.fromarray(FILLED).save(tmp_path / "mask.png")
@@ -84,10 +103,12 @@ def test_premultiplied_greys_are_read(sketch: Path) -> None:
     assert_same(prepare_any(Image.fromarray(GREY).convert("LA").convert("La"), 64), prepare_any(sketch, 64))
 
 
-def test_hints_may_have_the_numbers_of_numpy(sketch: Path) -> None:
+def test_hints_may_have_the_numbers_of_numpy_and_torch(sketch: Path) -> None:
     listed = [{"x": 170, "y": 90, "normal": [0.6, 0.0, 0.8]}]
     computed = [{"x": np.int64(170), "y": np.float32(90), "normal": np.array([0.6, 0.0, 0.8])}]
     assert_same(prepare_any(sketch, 64, computed), prepare_any(sketch, 64, listed))
+    tensors = [{"x": torch.tensor(170), "y": torch.tensor(90.0), "normal": torch.tensor([0.6, 0.0, 0.8])}]
+    assert_same(prepare_any(sketch, 64, tensors), prepare_any(sketch, 64, listed))
 
 
 def test_hints_in_any_form_are_the_file(sketch: Path, tmp_path: Path) -> None:
@@ -100,6 +121,7 @@ def test_hints_in_any_form_are_the_file(sketch: Path, tmp_path: Path) -> None:
     assert wanted.hints[3].sum() == 1
     assert_same(prepare_any(sketch, 64, listed), wanted)
     assert_same(prepare_any(sketch, 64, array), wanted)
+    assert_same(prepare_any(sketch, 64, torch.from_numpy(array)), wanted)
     assert prepare_any(sketch, 64, []).hints is None
 
 
@@ -114,6 +136,18 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "channels first": (
         {"image": np.zeros((3, 30, 40), np.uint8)},
         r"^the image has the shape \(3, 30, 40\); an array has \(H, W\), \(H, W, 3\) or \(H, W, 4\), rows",
+    ),
+    "a tensor with channels first": (
+        {"image": torch.zeros(1, 30, 40)},
+        r"^the image has the shape \(1, 30, 40\); an array has \(H, W\)",
+    ),
+    "a tensor that needs gradients": (
+        {"image": torch.ones(30, 40, requires_grad=True)},
+        r"^the image cannot be read as an array of NumPy: .*detach\(\)\.numpy\(\) instead\.$",
+    ),
+    "a tensor of another precision": (
+        {"mask": torch.ones(200, 300, dtype=torch.bfloat16)},
+        r"^the mask cannot be read as an array of NumPy: .*BFloat16",
     ),
     "a dot": ({"image": GREY[:4, :9]}, r"^the image is 9 × 4 pixels; a drawing has 8 to 8192 a side"),
     "bool": ({"image": FILLED}, r"^the image is an array of bool; give uint8"),

@@ -4,11 +4,12 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from http.client import HTTPException, IncompleteRead
 from pathlib import Path
 from threading import Thread
+from time import monotonic
 from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlsplit
 from urllib.request import Request, urlopen
@@ -18,6 +19,7 @@ from platformdirs import user_cache_path
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_BYTES
 from normalgan.files.writing import write_bytes
+from normalgan.progress import progress_bar
 
 CACHE = "NORMALGAN_CACHE"
 """Environment variable with the folder of downloaded files."""
@@ -26,6 +28,8 @@ _TIMEOUT = 30
 _LOWEST_SPEED = 10
 """Minimum speed of a server in bytes per second, as in cargo, which also measures over 30 s. A socket
 timeout restarts with each byte, so a slow server could block us forever."""
+_STEP = 1
+"""Time between two looks at a download, in seconds."""
 _HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
 _HUB_FILE = "model.onnx"
 """Default file of a repository on the hub."""
@@ -170,18 +174,33 @@ class _Fetch(Thread):
             InputError: if the server is too slow.
             Exception: any error of urllib.
         """
-        while self.is_alive():
-            before = len(self._received)
-            self.join(_TIMEOUT)
-            if self.is_alive() and len(self._received) - before < _LOWEST_SPEED * _TIMEOUT:
-                if not self._received:
-                    raise TimeoutError("timed out")
-                raise InputError(
-                    f"{self._address.text} sends less than {_LOWEST_SPEED} bytes a second; try again later."
-                )
+        since = monotonic()
+        while self.is_alive() and not self._received:
+            self.join(_STEP)
+            if monotonic() - since >= _TIMEOUT and self.is_alive() and not self._received:
+                raise TimeoutError("timed out")
+        title = f"downloading {self._address.name}"
+        with progress_bar(title, self._promised // 1000, "kB", shown=self.is_alive(), stays=False) as advance:
+            self._watch(advance)
         if self._error is not None:
             raise self._error
         return bytes(self._received), self._promised
+
+    def _watch(self, advance: Callable[[int], None]) -> None:
+        """Wait until the download ends, and advance a bar of kB. Raises `InputError` as `content` does."""
+        shown, before, since = 0, 0, monotonic()
+        while self.is_alive():
+            received = len(self._received)
+            advance(received // 1000 - shown)
+            shown = received // 1000
+            if monotonic() - since >= _TIMEOUT:
+                if received - before < _LOWEST_SPEED * _TIMEOUT:
+                    raise InputError(
+                        f"{self._address.text} sends less than {_LOWEST_SPEED} bytes a second; try again "
+                        "later."
+                    )
+                before, since = received, monotonic()
+            self.join(_STEP)
 
 
 def _from_web(address: Address) -> bytes:

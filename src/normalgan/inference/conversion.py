@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.normal_map import NormalMap
@@ -31,7 +31,7 @@ def read_map(path: str | Path, green: Green = "up") -> NormalMap:
     # 256 levels have no middle, so that a flat area would rise by a pixel in every 255.
     middle = (np.abs(np.abs(found[..., :2]) - 1 / 255) < 1e-6).all(-1)
     found = np.where((middle & (found[..., 2] >= 1))[..., None], _FLAT, found)
-    return _map(unit(np.ascontiguousarray(found), front=True), alpha)
+    return _map(found, alpha, path)
 
 
 def map_of_heights(path: str | Path, scale: float) -> NormalMap:
@@ -56,7 +56,7 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
     heights = pixels if pixels.dtype == np.float32 else to_unit(pixels)
     down, right = np.gradient(heights.astype(np.float32) * np.float32(scale))
     slopes = np.stack([-right, down, np.ones_like(right)], axis=-1)
-    return _map(unit(np.ascontiguousarray(slopes, np.float32), front=True), alpha)
+    return _map(slopes, alpha, path)
 
 
 def _check_single(path: str | Path) -> None:
@@ -94,7 +94,14 @@ def reoriented(base: Floats, detail: Floats) -> Floats:
     return unit(np.ascontiguousarray(onto * share - turned, np.float32), front=True)
 
 
-def _map(normals: Floats, alpha: Floats | None) -> NormalMap:
-    shape = normals.shape[:2]
-    opacity = np.ones(shape, np.float32) if alpha is None else alpha
+def _map(vectors: Floats, alpha: Floats | None, path: str | Path) -> NormalMap:
+    """Return vectors as a map; pixels that are not finite are transparent and flat.
+
+    Renderers write NaN or infinity where there is no surface.
+    """
+    known: BoolMask = np.asarray(np.isfinite(vectors).all(-1))
+    if not known.any():
+        raise InputError(f"{path} has no pixel with finite numbers.")
+    normals = unit(np.ascontiguousarray(np.where(known[..., None], vectors, _FLAT), np.float32), front=True)
+    opacity = np.where(known, np.float32(1) if alpha is None else alpha, np.float32(0))
     return NormalMap(normals, opacity > 0.5, opacity)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,19 @@ from normalgan.inference.reading.hint_files import Hints, first_fault, hints_at,
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, read_picture, to_picture
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
-AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
-AnyMask = str | Path | Image.Image | NDArray[Any] | None
-AnyHints = str | Path | Sequence[dict[str, Any]] | NDArray[Any] | Hints | None
+
+@runtime_checkable
+class ArrayLike(Protocol):
+    """An array that NumPy can read: its own, or one of another library, such as a tensor of PyTorch."""
+
+    def __array__(self) -> NDArray[Any]:
+        """Return the array of NumPy."""
+        ...
+
+
+AnyPicture = str | Path | Image.Image | ArrayLike | Picture
+AnyMask = str | Path | Image.Image | ArrayLike | None
+AnyHints = str | Path | Sequence[dict[str, Any]] | ArrayLike | Hints | None
 
 _MASK = "the mask"
 _WANTED = "give a path, an array or an image of Pillow"
@@ -104,8 +114,8 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
                 return _decoded(turned_upright(image))
             except (OSError, SyntaxError) as error:  # Pillow decodes lazily
                 raise InputError(f"{name} cannot be read: {brief(error)}.") from None
-        case np.ndarray():
-            return _of_array(image, name)
+        case ArrayLike():
+            return _of_array(_array(image, name), name)
         case _:
             raise InputError(f"{name} is of the type {type(image).__name__}; {_WANTED}.")
 
@@ -121,10 +131,12 @@ def as_mask(mask: AnyMask, shape: tuple[int, int]) -> BoolMask | None:
             return None
         case str() | Path():
             return load_mask(Path(mask), shape)
-        case np.ndarray() if mask.dtype == np.bool_:
-            return mask_of(as_picture(mask.astype(np.uint8) * np.uint8(255), name=_MASK), shape)
-        case Image.Image() | np.ndarray():
+        case Image.Image():
             return mask_of(as_picture(mask, name=_MASK), shape)
+        case ArrayLike():
+            array = _array(mask, _MASK)
+            levels = array.astype(np.uint8) * np.uint8(255) if array.dtype == np.bool_ else array
+            return mask_of(as_picture(levels, name=_MASK), shape)
         case _:
             raise InputError(f"{_MASK} is of the type {type(mask).__name__}; {_WANTED}.")
 
@@ -140,8 +152,8 @@ def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
             found = hints
         case str() | Path():
             found = load_hints(Path(hints), shape)
-        case np.ndarray():
-            found = _hints_in(hints, shape)
+        case ArrayLike():
+            found = _hints_in(_array(hints, "the hints"), shape)
         case list() | tuple():
             found = parse_hints([_plain_hint(each) for each in hints], "the list", shape)
         case _:
@@ -151,12 +163,24 @@ def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
     return found if found is not None and len(found.points) else None
 
 
+def _array(given: ArrayLike, name: str) -> NDArray[Any]:
+    """Return an array of any library as NumPy's.
+
+    Raises:
+        InputError: if the library refuses, as PyTorch does for a tensor on a GPU or one that needs gradients.
+    """
+    try:
+        return np.asarray(given)
+    except (RuntimeError, TypeError, ValueError) as error:
+        raise InputError(f"{name} cannot be read as an array of NumPy: {brief(error).rstrip('.')}.") from None
+
+
 def _plain_hint(given: Any) -> Any:
-    """Return a hint with NumPy values converted to Python numbers."""
+    """Return a hint with values of NumPy or PyTorch converted to Python numbers."""
     if isinstance(given, Mapping):
         return {key: _plain_hint(value) for key, value in given.items()}
-    if isinstance(given, np.ndarray | np.generic):
-        return given.tolist()
+    if isinstance(given, ArrayLike):
+        return _array(given, "a hint").tolist()
     return [_plain_hint(value) for value in given] if isinstance(given, list | tuple) else given
 
 

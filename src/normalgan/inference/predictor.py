@@ -38,7 +38,8 @@ class Predictor:
 
         Args:
             image: a path; a Pillow image; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
-                floats from 0 to 1. Lines may be dark on light or light on dark.
+                floats from 0 to 1. Lines may be dark on light or light on dark. NumPy must be able to read
+                the array, as it reads a tensor of PyTorch on the CPU.
             hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels from the
                 drawing's upper left corner; or an array (H, W, 4) with a unit normal and 1 at each hint, and
                 0 elsewhere.

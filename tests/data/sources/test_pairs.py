@@ -327,6 +327,51 @@ def test_an_array_of_a_wrong_type_or_range_is_one_sentence(sketch: Any, normal: 
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("vectors", [True, False], ids=["vectors", "colours"])
+@pytest.mark.parametrize("masked", [True, False], ids=["mask", "no mask"])
+def test_numbers_that_are_not_finite_off_the_object_are_background(
+    tmp_path: Path, nothing: float, vectors: bool, masked: bool
+) -> None:
+    write_pairs(tmp_path, 2)
+    _, normal = ellipsoid(1)
+    there = np.abs(normal).sum(-1) > 0
+    held = np.where(there[..., None], normal, nothing).astype(np.float32)
+    write_bytes(tmp_path / "n.exr", encode_exr(held * 2 - 1 if vectors else held))  # it stores (n + 1) / 2
+    mask = None
+    if masked:
+        mask = tmp_path / "m.png"
+        Image.fromarray(there).save(mask)
+    pair = PairFiles("a", tmp_path / "a1.png", tmp_path / "n.exr", mask).load()
+    np.testing.assert_array_equal(pair.mask, there)
+    np.testing.assert_allclose(pair.normal, normal, atol=1e-5)
+
+
+def test_an_svg_has_the_size_of_its_normal_map(tmp_path: Path) -> None:
+    write_pairs(tmp_path, 1)
+    ring = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 8 8">{RING}</svg>'
+    (tmp_path / "a.svg").write_text(ring)
+    pair = PairFiles("a", tmp_path / "a.svg", tmp_path / "a0_normal.png").load()
+    assert pair.sketch.shape == pair.mask.shape == (SIZE, SIZE)
+    assert PairRecipe(32).render(pair, 0).sketch.max() > 200
+    big = np.zeros((3000, 3000, 3), np.float32)  # larger than what a picture is reduced to
+    big[..., 2] = 1
+    big[:9] = big[-9:] = 0
+    write_bytes(tmp_path / "big.png", encode_png(big))
+    assert PairFiles("a", tmp_path / "a.svg", tmp_path / "big.png").load().mask.shape == (3000, 3000)
+
+
+RING = '<circle cx="4" cy="4" r="2" fill="none" stroke="black" stroke-width=".2"/>'
+
+
+def test_a_list_that_is_no_table_is_told(tmp_path: Path) -> None:
+    (tmp_path / "pairs.txt").write_text("sketch,normal")
+    with pytest.raises(
+        InputError, match=r"pairs\.txt is neither a picture nor a list of pairs \(\.csv, \.tsv\);"
+    ):
+        Pairs(str(tmp_path / "pairs.txt")).found()
+
+
 def make_smaller(folder: Path) -> None:
     write_pair(folder / "x.png", folder / "a1_normal.png", 1, size=32)
     (folder / "x.png").unlink()
@@ -663,6 +708,7 @@ def test_capitals_and_the_name_of_the_folder_do_not_matter(tmp_path: Path, sketc
 def test_a_csv_may_be_separated_as_spreadsheets_do(tmp_path: Path, delimiter: str) -> None:
     write_pair(tmp_path / "a,1.png", tmp_path / "a_normal.png", 0)
     lines = (["sketch", "normal", "split"], ["a,1.png", "a_normal.png", "train"])
-    (tmp_path / "pairs.csv").write_text("\n".join(delimiter.join(line) for line in lines))
-    (found,) = Pairs(str(tmp_path / "pairs.csv")).found()
-    assert (found.sketch, found.part) == (tmp_path / "a,1.png", "train")
+    for name in ("pairs.csv", "pairs.tsv"):
+        (tmp_path / name).write_text("\n".join(delimiter.join(line) for line in lines))
+        (found,) = Pairs(str(tmp_path / name)).found()
+        assert (found.sketch, found.part) == (tmp_path / "a,1.png", "train")

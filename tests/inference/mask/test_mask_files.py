@@ -55,3 +55,8 @@ def test_an_empty_mask_is_refused_at_every_door(image: Image.Image, tmp_path: Pa
         request.read_lines()
     with pytest.raises(InputError, match=r"^the mask is empty; paint the object white"):
         as_mask(image, (30, 40))
+
+
+def test_a_mask_of_zeros_and_ones_is_told_how_dark_it_is() -> None:
+    with pytest.raises(InputError, match=r"^the mask is empty: its brightest pixel is 1 of 255; paint the"):
+        as_mask(Image.fromarray(OBJECT.astype(np.uint8)), (30, 40))

@@ -17,7 +17,7 @@ from normalgan.normals import normalize
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.samples import Sample
 
-PAIRS_VERSION = 3
+PAIRS_VERSION = 4
 """Version of samples of pairs. Increase it if a code change affects them, so that they are created again."""
 
 _TOLERANCE = 0.02
@@ -66,7 +66,7 @@ class Pair:
         if mask is not None:
             _check_mask(normal, self.mask)
         _check_normals(normal[self.mask])
-        self.normal: Floats = np.where(self.mask[..., None], normalize(normal), np.float32(0))
+        self.normal: Floats = normalize(np.where(self.mask[..., None], normal, np.float32(0)))
         _check_axes(self.normal, self.mask)
         self.hints = as_hints(hints, (height, width))
         if self.hints is not None:
@@ -140,8 +140,8 @@ def background(levels: NDArray[Any], lossy: bool = False) -> BoolMask:
     """Return the background of a normal map without a mask, (H, W).
 
     The background is the area with the colour of the corners that touches the picture's border. If that
-    colour is not a normal, such as zero or black, all pixels of the colour are background. If the four
-    corners differ, there is no background.
+    colour is not a normal, such as zero or black, all pixels of the colour are background. Pixels that are
+    not finite count as zero. If the four corners differ, there is no background.
 
     Args:
         levels: (H, W, 3) colours or vectors, with a range of 2.
@@ -154,6 +154,7 @@ def background(levels: NDArray[Any], lossy: bool = False) -> BoolMask:
         24
     """
     tolerance = _LOSSY_TOLERANCE if lossy else _TOLERANCE
+    levels = np.where(np.isfinite(levels).all(-1, keepdims=True), levels, 0)
     corners = levels[[0, 0, -1, -1], [0, -1, 0, -1]]
     colour = np.median(corners, axis=0)
     if not (np.abs(corners - colour) <= tolerance).all():
@@ -181,8 +182,11 @@ def _checked_array(normal: NDArray[Any]) -> NDArray[Any]:
 
 def _check_normals(on: NDArray[np.floating]) -> None:
     """Raise `InputError` if vectors on the object, (K, 3), are not normals in camera space."""
-    if not np.isfinite(on).all():
-        raise InputError("the normal map holds numbers that are not finite.")
+    if unknown := int((~np.isfinite(on)).any(-1).sum()):
+        raise InputError(
+            f"the normal map holds numbers that are not finite, at {unknown} of the {len(on)} pixels of the "
+            "object; leave these pixels out of the mask."
+        )
     length = np.linalg.norm(on, axis=-1)
     # A normal that faces the viewer is (0.5, 0.5, 1) as a colour, which has a length of 1.22.
     if on.min() >= 0 and on.max() <= 1 and float(np.median(length)) > 1.05:

@@ -24,8 +24,11 @@ from normalgan.files.limits import read_named
 from normalgan.inference.inputs import AnyPicture, as_picture
 from normalgan.inference.reading.drawings import is_drawing, read_normals, read_pixels
 from normalgan.inference.reading.hint_files import load_hints
+from normalgan.inference.reading.picture import MOST_WORKED, to_picture
 from normalgan.normals import Green, flip_green
 
+TABLES = (".csv", ".tsv")
+"""File extensions of lists of pairs."""
 _NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
 """File extensions of normal maps, in search order."""
 _COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")
@@ -124,7 +127,6 @@ class PairFiles:
         return True
 
     def _loaded(self) -> Pair:
-        picture: AnyPicture = self.sketch
         subject = str(self.normal)
         vectors, alpha = read_normals(self.normal, self.green)
         lossy = self.mask is None and _is_lossy(self.normal)
@@ -132,12 +134,15 @@ class PairFiles:
             middle = vectors.shape[1] // 2
             left, right = np.s_[:, :middle], np.s_[:, middle:]
             of_sketch, of_normal = (left, right) if self.direction == "AtoB" else (right, left)
-            picture = read_pixels(self.sketch).pixels[of_sketch]
+            picture: AnyPicture = read_pixels(self.sketch).pixels[of_sketch]
             vectors, alpha = vectors[of_normal], None if alpha is None else alpha[of_normal]
             if lossy:  # its colours bleed over the seam, by the one pixel to which they are enlarged
                 edge, inner = (0, 1) if self.direction == "AtoB" else (-1, -2)
                 vectors[:, edge] = vectors[:, inner]
             subject = f"the {'right' if self.direction == 'AtoB' else 'left'} half of {self.normal}"
+        else:  # an SVG has no pixels of its own
+            side = max(vectors.shape[:2])
+            picture = to_picture(read_pixels(self.sketch, svg_side=side, longest=MOST_WORKED))
         sketch = as_picture(picture)
         hints = None if self.hints is None else load_hints(self.hints, sketch.shape)
         if hints is not None and self.hints is not None and self.hints.suffix.lower() == ".png":
@@ -166,7 +171,7 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         yield from known
         if any(isinstance(each, PairFiles) for each in known):
             return
-    if path.suffix.lower() == ".csv":
+    if path.suffix.lower() in TABLES:
         yield from (_listed(path.parent, where, row) for where, row in _rows(path))
         return
     if path.is_dir():
@@ -176,6 +181,10 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
         yield from (f"{orphan} has no sketch" for orphan in _orphans(path, inner, sketches))
         root = path
     elif path.is_file():
+        if not is_drawing(path):
+            raise InputError(
+                f"{entry} is neither a picture nor a list of pairs ({', '.join(TABLES)}); {LAYOUTS}."
+            )
         sketches, root = [path], path.parent
     else:
         found = [Path(each) for each in glob(entry, recursive=True)]
@@ -412,9 +421,13 @@ def _is_lossy(path: Path) -> bool:
 
 
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None, lossy: bool) -> BoolMask:
-    """Return the object of a normal map without a mask: the opaque part, or all but the background."""
+    """Return the object of a normal map without a mask: the opaque part, or all but the background.
+
+    Pixels that are not finite are background: renderers write NaN where there is no surface.
+    """
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors, lossy)
-    found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
+    length = np.linalg.norm(vectors, axis=-1)
+    found = np.asarray(found & np.isfinite(length) & (length > _ZERO))
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")
     return found

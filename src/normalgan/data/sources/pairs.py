@@ -8,7 +8,7 @@ from pathlib import Path, PurePath
 from typing import Literal
 
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
-from normalgan.data.sources.pair_files import LAYOUTS, Direction, PairFiles, find_pairs, header_size
+from normalgan.data.sources.pair_files import LAYOUTS, TABLES, Direction, PairFiles, find_pairs, header_size
 from normalgan.data.splits import SPLITS, none_usable
 from normalgan.errors import InputError
 from normalgan.normals import Green
@@ -108,7 +108,7 @@ class Pairs(PairSource):
         pairs = [self._with_settings(each) for each in found if isinstance(each, PairFiles)]
         left_out = [each for each in found if isinstance(each, str)]
         if left_out and not pairs:
-            listed = all(Path(entry).suffix.lower() == ".csv" for entry in entries)
+            listed = all(Path(entry).suffix.lower() in TABLES for entry in entries)
             raise InputError(f"{left_out[0]}{'' if listed else f'; {LAYOUTS}'}.")
         if not pairs:
             raise InputError("Pairs was given no files; name a folder, a glob of sketches, or a CSV.")

@@ -48,7 +48,9 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
     if picture.alpha is not None and (picture.alpha <= 0.5).any():
         mask = picture.alpha > 0.5
     if not mask.any():
-        raise InputError(f"{name} is empty; paint the object white, and the rest black.")
+        top = round(255 * float(picture.colour.max()))
+        dark = f": its brightest pixel is {top} of 255" if 0 < top < 128 else ""
+        raise InputError(f"{name} is empty{dark}; paint the object white, and the rest black.")
     return mask
 
 

@@ -175,7 +175,7 @@ def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats 
     pixels = (
         read_exr(path, LARGEST) if path.suffix.lower() == ".exr" else read_pixels(path, exact=True).pixels
     )
-    if pixels.ndim == 2:
+    if pixels.ndim == 2 or (pixels[..., :1] == pixels[..., 1:3]).all():  # decoded as colours with opacity
         raise InputError(f"{path} is grey; a normal map needs three channels.")
     found = vectors(pixels[..., :3])
     alpha = to_unit(pixels[..., 3]) if pixels.shape[2] == 4 else None
