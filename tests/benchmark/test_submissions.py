@@ -101,7 +101,15 @@ def test_a_submission_that_cannot_be_used_is_answered_by_a_sentence(tmp_path: Pa
     (folder / "0" / "a" / "0.png").unlink()
     with pytest.raises(InputError, match=r"there is no file .*0\.png"):
         measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
-    for written, said in (("{", "is not JSON"), ("[]", "has no name"), ("{}", "has no name")):
+    (folder / "0" / "a" / "0.exr").write_bytes(b"")
+    with pytest.raises(
+        InputError, match=r"there is no file .*0\.png, but 0\.exr; a submission has PNG files"
+    ):
+        measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
+    for written, said in (
+        *(("{", "is not JSON"), ("[]", "has no name"), ("{}", "has no name")),
+        *(('{"name": " "}', "has no name"), ('{"name": 3}', "has no name")),
+    ):
         (folder / "submission.json").write_text(written)
         with pytest.raises(InputError, match=said):
             read_submission(folder)
@@ -263,6 +271,42 @@ def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: 
     folder = written(tmp_path / "flipped", given, flipped, given["mask"][:, 0] > 0.5)
     with pytest.raises(InputError, match="seem to have a flipped green channel"):
         measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.4], ids=["exact", "weak"])
+@pytest.mark.parametrize(
+    ("order", "sign", "said"),
+    [
+        ([0, 1, 2], [-1, 1, 1], "seem to have a flipped red channel: y agrees .* and x contradicts"),
+        (
+            [2, 1, 0],
+            [1, 1, 1],
+            "seem to have red and blue exchanged: each agrees with the true normals of the",
+        ),
+        ([1, 0, 2], [1, 1, 1], "seem to have red and green exchanged"),
+        ([0, 2, 1], [1, 1, 1], "seem to have green and blue exchanged"),
+    ],
+)
+def test_a_submission_with_flipped_or_exchanged_channels_is_refused(
+    tmp_path: Path, given: Batch, share: float, order: list[int], sign: list[float], said: str
+) -> None:
+    noise = torch.randn(given["normal"].shape, generator=torch.Generator().manual_seed(0))
+    maps = torch.nn.functional.normalize(share * given["normal"] + (1 - share) * noise, dim=1)
+    wrong = maps[:, order] * torch.tensor(sign).view(1, 3, 1, 1)
+    folder = written(tmp_path, given, wrong, given["mask"][:, 0] > 0.5)
+    with pytest.raises(InputError, match=said):
+        measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
+
+
+def test_a_submission_without_background_is_warned_about(tmp_path: Path, given: Batch) -> None:
+    flat = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
+    maps = torch.where(given["mask"] > 0.5, given["normal"], flat)
+    folder = written(tmp_path, given, maps, None)
+    with pytest.warns(
+        UserWarning, match=r"mark all pixels as object; the background needs the opacity 0"
+    ) as told:
+        measure(read_submission(folder).method(), [given, given], HintTests([0]), CPU)
+    assert len(told) == 1
 
 
 def test_leaving_out_hard_pixels_lowers_the_rank() -> None:

@@ -84,6 +84,10 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
     for start, said in (
         (str(other), "whose generator is another one"),
         ("shipped", "ours.onnx, whose generator is another one"),
+        (
+            "shipped",
+            r"settings: model: {generator: {class_path: ResidualUNetGenerator, init_args: {widths: \[24",
+        ),
         ("/gone.ckpt", "there is no model"),
         ("/gone.safetensors", "there is no model"),
     ):

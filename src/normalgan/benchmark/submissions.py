@@ -7,8 +7,10 @@ In an opaque map, pixels with a vector longer than 1/2 belong to the object, as 
 """
 
 import json
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +31,9 @@ from normalgan.normals import encode_grey
 _SUBMISSION = "submission.json"
 _SILENT = 0.05
 """Minimum length of a vector; shorter vectors are background grey, in 8 or 16 bits."""
+_OBJECT = 0.5
+"""Minimum length of a vector on the object."""
+_CHANNELS = ("red", "green", "blue")
 _THERE, _ABSENT = 1.0, 0.25
 """Vector lengths assigned to pixels that a submission marks as object and as background."""
 
@@ -49,6 +54,7 @@ class Submission:
 
     def method(self) -> Method:
         """Return the maps as a method, which reads the maps that match the number of given hints."""
+        warned = False
 
         def predict(batch: Batch, hints: Tensor | None) -> Tensor:
             given = [0] * len(batch["name"]) if hints is None else hints[:, 3].sum((1, 2)).int().tolist()
@@ -57,7 +63,15 @@ class Submission:
             folders = [min(count for count in self.counts if count >= number) for number in given]
             named = zip(folders, batch["name"], strict=True)
             maps = torch.stack([self._read(*one, size) for one in named])
-            _refuse_flipped_green(self.folder, maps, batch)
+            _check_axes(self.folder, maps, batch)
+            nonlocal warned
+            if not warned and (maps.square().sum(1) > _OBJECT**2).all():
+                warned = True
+                warnings.warn(
+                    f"the maps in {self.folder} mark all pixels as object; the background needs the opacity "
+                    "0, or the colour (128, 128, 128).",
+                    stacklevel=2,
+                )
             return maps.to(batch["normal"])
 
         # A submission with hinted maps uses hints, but has no sampler of its own.
@@ -65,6 +79,8 @@ class Submission:
 
     def _read(self, count: int, name: str, size: int) -> Tensor:
         path = self.folder / str(count) / f"{name}.png"
+        if not path.is_file() and (others := sorted(path.parent.glob(f"{path.stem}.*"))):
+            raise InputError(f"there is no file {path}, but {others[0].name}; a submission has PNG files.")
         pixels = to_unit(read_pixels(path).pixels)
         if pixels.shape[:2] != (size, size) or pixels.ndim != 3 or pixels.shape[2] < 3:
             raise InputError(
@@ -81,22 +97,49 @@ class Submission:
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
 
 
-def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
-    """Raise `InputError` if x agrees with the truth and y contradicts it, over the objects of a batch."""
+def _check_axes(folder: Path, maps: Tensor, batch: Batch) -> None:
+    """Raise `InputError` if the truth shows that red or green is flipped, or that two channels are exchanged.
+
+    Args:
+        folder: folder of the submission.
+        maps: (N, 3, H, W).
+        batch: batch with the true normals.
+    """
     on = (batch["mask"][:, 0].cpu() > 0.5) & (maps.square().sum(1) > 0)
     if on.sum() < 2:
         return
-    x, y = (
-        float(torch.corrcoef(torch.stack([maps[:, axis][on].double(), truth[on].double()]))[0, 1])
-        for axis, truth in enumerate(batch["normal"][:, :2].cpu().unbind(1))
-    )
+    axes = [*maps.unbind(1), *batch["normal"].cpu().unbind(1)]
+    found = torch.corrcoef(torch.stack([axis[on].double() for axis in axes]))[:3, 3:].tolist()
+    own = [found[axis][axis] for axis in range(3)]
     # An untrained network has a correlation within 0.05 of zero, and one with the error of a constant normal
     # has 0.4.
-    if x > 0.2 and y < -0.2:
-        raise InputError(
-            f"the maps in {folder} seem to have a flipped green channel: x agrees with the true "
-            f"normals (correlation {x:.2f}) and y contradicts them ({y:.2f}); write green up, as in OpenGL."
-        )
+    for flipped, other, fault in (
+        (
+            1,
+            0,
+            "a flipped green channel: {0} agrees with the true normals ({1:.2f}) and {2} contradicts them "
+            "({3:.2f}); write green up, as in OpenGL",
+        ),
+        (
+            0,
+            1,
+            "a flipped red channel: {0} agrees with the true normals ({1:.2f}) and {2} contradicts them "
+            "({3:.2f}); write red to the right",
+        ),
+    ):
+        if own[other] > 0.2 and own[flipped] < -0.2:
+            said = fault.format("xy"[other], own[other], "xy"[flipped], own[flipped])
+            raise InputError(f"the maps in {folder} seem to have {said}.")
+    for one, other in combinations(range(3), 2):
+        crossed = min(found[one][other], found[other][one])
+        clear = crossed > 0.1 and max(found[one][other], found[other][one]) > 0.2  # z varies little
+        if clear and crossed > 2 * max(own[one], own[other]):
+            raise InputError(
+                f"the maps in {folder} seem to have {_CHANNELS[one]} and {_CHANNELS[other]} exchanged: each "
+                f"agrees with the true normals of the other ({crossed:.2f} or more, against "
+                f"{max(own[one], own[other]):.2f} or less with its own); write the channels in the order "
+                "red, green, blue."
+            )
 
 
 def read_submission(folder: Path) -> Submission:
@@ -107,12 +150,13 @@ def read_submission(folder: Path) -> Submission:
     """
     path, like = folder / _SUBMISSION, 'it must be like {"name": "theirs"}.'
     content = read_json(path, like=like)
-    if not isinstance(content, dict) or not isinstance(content.get("name"), str):
+    name = content.get("name") if isinstance(content, dict) else None
+    if not isinstance(name, str) or not name.strip():
         raise InputError(f"{path} has no name; {like}")
     counts = sorted(int(one.name) for one in folder.iterdir() if one.is_dir() and one.name.isdecimal())
     if 0 not in counts:
         raise InputError(f"{folder} has no folder 0 with the maps predicted without hints.")
-    return Submission(folder, content["name"], tuple(counts))
+    return Submission(folder, name, tuple(counts))
 
 
 def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -> None:

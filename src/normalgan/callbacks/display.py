@@ -18,6 +18,14 @@ class WideProgressBar(RichProgressBar):
         terminal = any(stream.isatty() for stream in (sys.stdout, sys.stderr) if stream is not None)
         super().__init__(console_kwargs=None if terminal else {"width": _WIDE})
 
+    def get_metrics(
+        self, trainer: Trainer, pl_module: LightningModule
+    ) -> dict[str, int | str | float | dict[str, float]]:
+        """Return the losses without ``v_num``, which joins the loggers' versions; a run has a folder."""
+        return {
+            name: value for name, value in super().get_metrics(trainer, pl_module).items() if name != "v_num"
+        }
+
     def on_train_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Show the number of the epoch, from 1."""
         super().on_train_epoch_start(trainer, pl_module)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import yaml
 from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 from torch.nn import Module
@@ -69,20 +70,32 @@ class StartFrom(Callback):
             raise InputError(
                 f"{path} holds a generator alone; StartFrom takes a discriminator of a checkpoint."
             )
-        checkpoint = None if saved else read_checkpoint(path)
-        tensors = checkpoint.tensors_of("generator") if checkpoint else read_weights(path).tensors
-        _load(path, "generator", tensors, pl_module)
-        if self.discriminator and checkpoint:
-            _load(path, "discriminator", checkpoint.tensors_of("discriminator"), pl_module)
+        if saved:
+            weights = read_weights(path)
+            _load(path, "generator", weights.tensors, pl_module, weights.notes.generator.to_dict())
+            return
+        checkpoint = read_checkpoint(path)
+        for name in ("generator", "discriminator") if self.discriminator else ("generator",):
+            _load(path, name, checkpoint.tensors_of(name), pl_module, checkpoint.settings.get(name))
 
 
-def _load(path: Path, name: str, tensors: Mapping[str, Tensor], model: LightningModule) -> None:
+def _load(
+    path: Path, name: str, tensors: Mapping[str, Tensor], model: LightningModule, settings: object
+) -> None:
+    """Load the weights of a network with these settings into the network of a run.
+
+    Raises:
+        InputError: if the networks differ; the message has the settings as they are written in YAML.
+    """
     network: Module | None = getattr(model, name)
     own = {key: tensor.shape for key, tensor in network.state_dict().items()} if network else None
     if network is None or {key: tensor.shape for key, tensor in tensors.items()} != own:
+        known = isinstance(settings, Mapping) and "class_path" in settings
+        written = yaml.safe_dump({name: settings}, default_flow_style=True, sort_keys=False, width=10_000)
+        its = f": model: {written.strip()}" if known else "."
         raise InputError(
             f"StartFrom was given {path}, whose {name} is another one than the run's; give both the same "
-            "class and settings."
+            f"class and settings{its}"
         )
     network.load_state_dict(dict(tensors))
 

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import pytest
 from command import Bench
-from lightning.pytorch.callbacks import EarlyStopping
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.callbacks import EarlyStopping, RichProgressBar
+from lightning.pytorch.loggers import CSVLogger, Logger
 
+from normalgan.callbacks.display import WideProgressBar
 from normalgan.warning_filters import filter_warnings
 
 
@@ -33,6 +36,38 @@ def test_fit_says_why_it_stopped_what_a_profiler_measured_and_which_checkpoint_i
     assert "generator: UNetGenerator, 65.9 thousand parameters" in done.out
     assert "Epoch 2/4" in done.out  # counted from 1
     assert "train/discriminator: " in done.out.replace("\n", "")  # not cut at 80 columns
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("setting", "value"), [("trainer.limit_val_batches", 0), ("trainer.check_val_every_n_epoch", 5)]
+)
+def test_fit_says_why_no_checkpoint_is_the_best(
+    bench: Bench, tmp_path: Path, setting: str, value: int
+) -> None:
+    done = bench.run("fit", tmp_path / "run", "--trainer.max_epochs", 1, f"--{setting}", value)
+    assert done.code == 0, done.err
+    last = tmp_path / "run" / "checkpoints" / "last.ckpt"
+    assert f"No checkpoint is the best, because no epoch was validated; the last one is {last}.\n" in done.out
+    assert "Did you call" not in done.err
+
+
+class Many(Logger):
+    """A logger that keeps nothing, beside another one."""
+
+    name = "many"
+    version = 7
+
+    def log_metrics(self, metrics: object, step: object = None) -> None: ...
+
+    def log_hyperparams(self, params: object, *args: object, **kwargs: object) -> None: ...
+
+
+def test_the_progress_bar_shows_losses_and_no_version_of_several_loggers(tmp_path: Path) -> None:
+    trainer = Trainer(logger=[Many(), CSVLogger(tmp_path)], accelerator="cpu", enable_progress_bar=False)
+    model = LightningModule()
+    assert RichProgressBar().get_metrics(trainer, model) == {"v_num": "7_0"}
+    assert WideProgressBar().get_metrics(trainer, model) == {}
 
 
 def test_lightnings_log_of_the_machine_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:

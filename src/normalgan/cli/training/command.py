@@ -150,6 +150,8 @@ class NormalGANCLI(LightningCLI):
     def run_command(self) -> None:
         """Run the command."""
         options = {name: self.config_init[name] for name in self._options}
+        if self.trainer.limit_val_batches == 0:  # the end of the run says it, without a hint on how to log
+            warnings.filterwarnings("ignore", message=".*could not find the monitored key")
         getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
         if self.command == "fit" and self.trainer.is_global_zero:
             self._print_outcome()
@@ -171,10 +173,17 @@ class NormalGANCLI(LightningCLI):
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
         for callback in self.trainer.checkpoint_callbacks:
-            if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
+            if not isinstance(callback, ModelCheckpoint) or not callback.monitor:
+                continue
+            if callback.best_model_path:
                 best = callback.best_model_score  # None if a resumed run did not train any further
                 score = "" if best is None else f" ({callback.monitor} {float(best):.4g})"
                 print(printable(f"The best checkpoint is {callback.best_model_path}{score}."))
+            elif self.trainer.global_step > progress["global_step"]:
+                validated = any(name.startswith("val/") for name in self.trainer.callback_metrics)
+                why = f"no epoch measured {callback.monitor}" if validated else "no epoch was validated"
+                last = Path(checkpoint_folder(self.config["trainer"]["default_root_dir"])) / "last.ckpt"
+                print(printable(f"No checkpoint is the best, because {why}; the last one is {last}."))
 
     @property
     def stopped(self) -> str:
