@@ -186,7 +186,7 @@ def _introduction(
     if scale.seconds:
         lines.append(f"{scale.seconds:g} seconds a run.")
     elif any(run["images"] for run in _runs(results)):  # a saved model does not record it
-        lines.append(f"{plan.images} images a generator.")
+        lines.append(f"{plan.images} image{'s' if plan.images > 1 else ''} a generator.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
     if plan.test_data:

@@ -123,7 +123,8 @@ class TestReport(Callback):
         folder = _folder(Path(trainer.default_root_dir) / "test", measured)
         write_bytes(folder / "metrics.json", _json(measured, results))
         write_gallery(folder / "gallery.png", self._rows)
-        print(f"\n{results_table(results, f'Test split, {self._total} samples', self.metrics)}\n")
+        count = f"{self._total} sample{'s' if self._total > 1 else ''}"
+        print(f"\n{results_table(results, f'Test split, {count}', self.metrics)}\n")
         print(printable(f"Metrics: {(folder / 'metrics.json').resolve()}"))
         print(printable(f"Picture: {(folder / 'gallery.png').resolve()}"))
 

@@ -52,6 +52,10 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
         ("data: {source: Pairs}", ["Pairs needs its settings files; give them in init_args."]),
         ("model: {hint_sampler: 3}", ["3 is not a HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
+        (
+            "model: {lr_scheduler: ReduceLROnPlateau}",
+            ["several classes are named ReduceLROnPlateau; give the full name: torch.optim.lr"],
+        ),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
         ("trainer: {callbacks: [{class_path: EarlyStoping}]}", ["Did you mean EarlyStopping?"]),
         (

@@ -164,6 +164,10 @@ def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str
 
 def _bad_class(message: str, registry: Registry[Any] | None) -> str:
     """Return the explanation of an error about a named class; empty for other errors."""
+    if found := re.search(
+        r"Multiple subclasses with name (\w+)\. .* ambiguity: (.+)\.$", message, re.MULTILINE
+    ):
+        return f"several classes are named {found[1]}; give the full name: {found[2].replace(', ', ' or ')}."
     if found := re.search(r"but (\S+) is abstract", message):
         return f"{found[1]} is abstract; name a class that defines all of its methods."
     if found := re.search(r"Import path (\S+) does not correspond to a subclass of (\w+)", message):

@@ -173,7 +173,7 @@ class NormalGANCLI(LightningCLI):
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
         for callback in self.trainer.checkpoint_callbacks:
-            if not isinstance(callback, ModelCheckpoint) or not callback.monitor:
+            if not isinstance(callback, ModelCheckpoint) or not callback.monitor or not callback.save_top_k:
                 continue
             if callback.best_model_path:
                 best = callback.best_model_score  # None if a resumed run did not train any further
