@@ -294,6 +294,7 @@ class MeshDataModule(LightningDataModule):
             "data.on_the_fly": self.on_the_fly,
             "data.batch_size": self.batch_size,
             "data.augmentation": self.augmentation.describe() if self.augmentation else None,
+            "data.seed": self.seed,  # of the order; a recipe of pairs has no seed
             **{f"data.{name}": value for name, value in recipe.items()},
             "the number of processes": self.trainer.world_size if self.trainer else 1,
             "the version of the rendering": version,

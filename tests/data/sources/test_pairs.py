@@ -327,6 +327,16 @@ def test_an_array_of_a_wrong_type_or_range_is_one_sentence(sketch: Any, normal: 
     assert "\n" not in str(caught.value)
 
 
+def test_a_run_resumed_with_another_order_of_pairs_says_so(tmp_path: Path) -> None:
+    write_pairs(tmp_path / "pairs", 4)
+    first, other = (data(tmp_path / "pairs", tmp_path / "cache", seed=seed) for seed in (0, 1))
+    for module in (first, other):
+        module.setup("fit")
+    first.load_state_dict(first.state_dict())
+    with pytest.warns(UserWarning, match=r"continues with the current settings: .*data\.seed \(0, now 1\)"):
+        other.load_state_dict(first.state_dict())
+
+
 @pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("vectors", [True, False], ids=["vectors", "colours"])
 @pytest.mark.parametrize("masked", [True, False], ids=["mask", "no mask"])
