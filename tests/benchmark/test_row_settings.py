@@ -79,6 +79,7 @@ def test_rows_share_their_data_but_for_what_is_their_own() -> None:
     shared = settings()
     other = settings()
     other["data"] = {**shared["data"], "batch_size": 1, "augmentation": {"class_path": "A"}, "workers": 4}
+    other["data"]["prediction"] = {"sketches": "drawings"}  # as in quickstart.yaml
     check_shared(row, other, shared)
     other["data"]["size"] = 32
     with pytest.raises(InputError, match=r"the row a sets data\.size, which all rows .* the plan's data\.$"):
