@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -337,3 +338,47 @@ def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio,
     with studio.repainting():
         page.locator("#layer-list .eye").first.click()
     assert page.evaluate("sent.at(-1).each") == [["a", 0], ["b", 0]]
+
+
+def test_light_lines_on_nothing_are_shown_dark_which_is_said(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "chalk.png"
+    lines = np.rint(255 * outline(blob(SHAPE))).astype(np.uint8)
+    Image.merge("LA", (Image.new("L", SHAPE[::-1], 255), Image.fromarray(lines))).save(file)
+    with studio.repainting(), studio.saying("Colours inverted, because its lines are light."):
+        give(studio, file, "drawing")
+    studio.size = SHAPE[::-1]
+    assert studio.inked(170, 90 + 60)
+    assert not studio.inked(170, 90)
+
+
+def test_an_import_that_succeeds_ends_the_message_of_one_that_did_not(studio: Studio, tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("milk", encoding="utf-8")
+    with studio.saying("Couldn't import “notes.txt”: "):
+        studio.page.set_input_files("#import-file", files=tmp_path / "notes.txt")
+    file = tmp_path / "fox.ora"
+    file.write_bytes(encode_layers("ora", SHAPE, STACK[1:3]))
+    with studio.repainting():
+        give(studio, file, "drawing")
+    studio.page.locator("#status", has_text="Imported “fox.ora”.").wait_for()
+    assert studio.page.locator("#problem").is_hidden()
+
+
+def test_the_lines_of_a_photo_lie_over_the_result_without_its_paper(studio: Studio, tmp_path: Path) -> None:
+    paper = np.where(np.arange(SIDE) > SIDE / 2, 110, 190)[None, :, None] + np.array([-20, 0, 20])
+    photo = np.broadcast_to(paper, (SIDE, SIDE, 3)).astype(np.uint8).copy()
+    cv2.circle(photo, (SIDE // 2, SIDE // 2), 60, (40, 30, 30), 6, cv2.LINE_AA)
+    Image.fromarray(photo).save(tmp_path / "photo.png")
+    page = studio.page
+    with studio.repainting():
+        give(studio, tmp_path / "photo.png", "drawing")
+    places = [(SIDE / 2 - 30, SIDE / 2), (SIDE / 2 + 30, SIDE / 2)]
+    line = SIDE / 2, SIDE / 2 - 60
+    plain = [studio.shown(*place) for place in [*places, line]]
+    page.keyboard.press("o")
+    for place, before in zip(places, plain, strict=False):
+        np.testing.assert_allclose(studio.shown(*place), before, atol=0.06)
+    assert studio.shown(*line).max() < plain[2].max() - 0.5
+    page.keyboard.press("e")
+    with studio.repainting():
+        studio.line((SIDE / 2, SIDE / 2 - 70), (SIDE / 2, SIDE / 2 - 50))
+    assert studio.shown(*line).max() > 0  # erased there too

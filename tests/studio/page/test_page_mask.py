@@ -1,12 +1,14 @@
 """The mask brush on the studio's page: it adds to the object, cuts from it, and closes open outlines."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from studio_page import RADIUS, SIDE, Server, Studio, open_studio
 
 if TYPE_CHECKING:
@@ -141,3 +143,37 @@ def test_areas_and_points_of_a_photo_are_found_on_dark_paper(
         studio.pin(8, 8)  # no line encloses it, but the new layer has none at all
         stored = studio.wait_for_store(lambda each: len(each["doc"]["layers"][0]["hints"]) == 2)
         assert not stored["doc"]["layers"][1]["hints"]
+
+
+def light_lines() -> tuple[NDArray[np.uint8], tuple[float, float]]:
+    """A circle in light lines on a grey board, and a point in it."""
+    board = np.full((SIDE, SIDE), 115, np.uint8)
+    cv2.circle(board, (SIDE // 2, SIDE // 2), RADIUS, (240,), 5, cv2.LINE_AA)
+    return board, (MIDDLE, MIDDLE)
+
+
+def in_a_shadow() -> tuple[NDArray[np.uint8], tuple[float, float]]:
+    """A circle in dark lines on paper half of which lies in a shadow, and a point in circle and shadow."""
+    paper = np.full((SIDE, SIDE), 220, np.uint8)
+    cv2.circle(paper, (SIDE // 2, SIDE // 2), RADIUS, (50,), 5, cv2.LINE_AA)
+    shade = np.where(np.arange(SIDE) > MIDDLE + 20, 0.4, 1.0)
+    return np.rint(paper * shade).astype(np.uint8), (MIDDLE + 50, MIDDLE)
+
+
+@pytest.mark.parametrize("drawn", [light_lines, in_a_shadow])
+def test_areas_are_found_by_light_lines_and_in_a_shadow(
+    studio: Studio, tmp_path: Path, drawn: Callable[[], tuple[NDArray[np.uint8], tuple[float, float]]]
+) -> None:
+    picture, inside = drawn()
+    cv2.imwrite(str(tmp_path / "photo.png"), picture)
+    page = studio.page
+    page.set_input_files("#import-file", files=tmp_path / "photo.png")
+    with studio.repainting():
+        page.locator("#choose button[value=drawing]").click()
+    page.keyboard.press("m")
+    column, row = map(round, studio.on_board(*inside))
+    plain = studio.screen()[row, column].astype(int)
+    page.mouse.move(column, row)
+    assert np.abs(studio.screen()[row, column] - plain).max() > 20  # what a click would change
+    with studio.saying("The area is "):
+        page.mouse.click(column, row)

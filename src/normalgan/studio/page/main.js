@@ -116,7 +116,7 @@ followPaper(editor, importing);
 const forms = new Forms(editor, predictor, (map) => result.viewer.shaded(map, null));
 const brush = new Brushes(editor, (file) => importing.pictureOf(file), announce);
 const layers = new Layers(editor, inks, announce);
-autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
+autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail, "lasting"));
 
 // A new action clears the last message; its own message follows.
 editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || status.clear());

@@ -1,6 +1,7 @@
 /** Sheet: the paper, pictures and ink of a pane, redrawn only where they changed. */
 
 import { clear, context2d } from "../drawing/canvas.js";
+import { invertedPaper } from "../drawing/paper_tone.js";
 import { decoded } from "../drawing/pictures.js";
 import { drawPicture } from "../drawing/strokes.js";
 
@@ -35,6 +36,8 @@ export class Sheet {
     this.parts = WHOLE;
     /** @type {HTMLCanvasElement | null} a tint over the whole drawing, below the ink */
     this.veil = null;
+    /** @type {WeakMap<import("../drawing/ink.js").Ink, {pictures: object[], paper: HTMLCanvasElement | null, canvas: HTMLCanvasElement}>} ink without the paper of its pictures */
+    this.lifted = new WeakMap();
     /** @type {Box | null} the region to redraw in the next frame */
     this.stale = null;
     this.frame = 0;
@@ -79,7 +82,7 @@ export class Sheet {
       context.beginPath();
       context.rect(Math.round(from * width), 0, Math.round(to * width) - Math.round(from * width), height);
       context.clip();
-      this.#part(lines, paper);
+      this.#part(lines, paper, stale);
       context.restore();
     }
     context.restore();
@@ -97,8 +100,46 @@ export class Sheet {
     this.context.clip();
   }
 
-  /** @param {boolean} lines @param {boolean} paper */
-  #part(lines, paper) {
+  /**
+   * Returns a layer's ink without the paper of its pictures, which would darken the result below it.
+   * @param {import("../drawing/document.js").Layer} layer @param {Box} stale what has changed in it
+   */
+  #withoutPaper(layer, stale) {
+    const { doc: { width, height } } = this.editor;
+    const ink = this.inks.of(layer);
+    const pictures = layer.strokes.filter(({ kind }) => kind === "picture");
+    let known = this.lifted.get(ink);
+    const { canvas: drawn } = ink;
+    const sized = known?.canvas.width === drawn.width && known.canvas.height === drawn.height;
+    const before = known?.pictures;
+    if (!known || !sized || before?.length !== pictures.length || pictures.some((each, i) => each !== before[i])) {
+      known = { pictures, paper: invertedPaper({ width, height, strokes: pictures }), canvas: document.createElement("canvas") };
+      this.lifted.set(ink, known);
+      stale = ALL;
+    }
+    const { paper, canvas } = known;
+    if (!paper) return drawn;
+    if (stale === ALL) [canvas.width, canvas.height] = [drawn.width, drawn.height];
+    const context = context2d(canvas);
+    const clamp = (/** @type {number} */ value, /** @type {number} */ most) => Math.max(0, Math.min(most, value));
+    const [left, right] = [Math.floor(clamp(stale.left, width) * ink.scale), Math.ceil(clamp(stale.right, width) * ink.scale)];
+    const [top, bottom] = [Math.floor(clamp(stale.top, height) * ink.scale), Math.ceil(clamp(stale.bottom, height) * ink.scale)];
+    context.save();
+    context.beginPath();
+    context.rect(left, top, right - left, bottom - top);
+    context.clip();
+    context.globalCompositeOperation = "copy";
+    context.drawImage(drawn, 0, 0);
+    context.globalCompositeOperation = "color-dodge";
+    context.drawImage(paper, 0, 0, canvas.width, canvas.height);
+    context.globalCompositeOperation = "destination-in"; // nothing where ink was erased
+    context.drawImage(drawn, 0, 0);
+    context.restore();
+    return canvas;
+  }
+
+  /** @param {boolean} lines @param {boolean} paper @param {Box} stale */
+  #part(lines, paper, stale) {
     const { context, camera } = this;
     const { doc, layer: worked } = this.editor;
     const layers = doc.layers.filter(({ visible }) => visible);
@@ -127,7 +168,7 @@ export class Sheet {
     if (lines) for (const layer of layers) {
       // Inactive layers are faded.
       context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
-      context.drawImage(this.inks.of(layer).canvas, 0, 0, doc.width, doc.height);
+      context.drawImage(paper ? this.inks.of(layer).canvas : this.#withoutPaper(layer, stale), 0, 0, doc.width, doc.height);
     }
     context.globalAlpha = 1;
     context.globalCompositeOperation = "source-over";

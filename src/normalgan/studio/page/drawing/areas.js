@@ -2,15 +2,10 @@
 
 import { context2d } from "./canvas.js";
 import { inkAt } from "./ink.js";
+import { linesIn } from "./paper_tone.js";
 
 /** Longer side in pixels at which areas are searched while the pointer moves. */
 const SIDE = 512;
-/** Minimum darkness of a line that separates two areas: 0 as the paper, 1 as the darkest ink. */
-const INKED = 0.35;
-/** Share of a picture's pixels that are its darkest ink. */
-const DARKEST = 0.01;
-/** Minimum difference between paper and ink in levels; less is grain. */
-const CONTRAST = 48;
 const OBJECT = [91, 98, 224, 115];
 const HOLE = [208, 52, 44, 90];
 
@@ -35,7 +30,7 @@ export class Areas {
     if (x < 0 || y < 0 || x >= width || y >= height || !strokes.length) return null;
     if (this.lines?.strokes !== strokes || this.lines.width !== width || this.lines.height !== height) {
       const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
-      this.lines = { strokes, width, height, inked: inkedIn(pixels()), wide: canvas.width, high: canvas.height };
+      this.lines = { strokes, width, height, inked: linesIn(pixels(), canvas.width, canvas.height), wide: canvas.width, high: canvas.height };
     }
     const { lines } = this;
     const { inked, wide, high } = lines;
@@ -62,30 +57,6 @@ export class Areas {
     this.last = { lines, area, found };
     return found;
   }
-}
-
-/** Returns where there are lines: pixels of any colour that are dark compared with the paper, which may be photographed. @param {{channels: 1 | 4, bytes: Uint8Array}} pixels */
-function inkedIn({ channels, bytes }) {
-  const light = Uint8Array.from({ length: bytes.length / channels }, (_, i) => {
-    if (channels === 1) return bytes[i];
-    const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
-    return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
-  });
-  // The paper covers most of a picture.
-  const [dark, paper] = channels === 1 ? [0, 255] : levelsOf(light, [DARKEST, 0.5]);
-  const least = INKED * Math.max(paper - dark, CONTRAST);
-  return light.map((level) => Number(paper - level > least));
-}
-
-/** Returns the levels below which these shares of the pixels lie, in ascending order. @param {Uint8Array} light @param {number[]} shares */
-function levelsOf(light, shares) {
-  const counts = new Uint32Array(256);
-  for (const level of light) counts[level] += 1;
-  let [level, below] = [0, counts[0]];
-  return shares.map((share) => {
-    while (below < share * light.length && level < 255) below += counts[++level];
-    return level;
-  });
 }
 
 /**

@@ -27,7 +27,7 @@ const united = (a, b) => a
  * @param {import("./document.js").Stroke[]} strokes
  * @returns {{channels: 1 | 4, onPaper: boolean}}
  */
-function kindOf(strokes) {
+export function kindOf(strokes) {
   const pictures = strokes.filter((stroke) => stroke.kind === "picture");
   return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => !stroke.paper && hasHoles(stroke.picture)) };
 }

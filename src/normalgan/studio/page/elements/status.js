@@ -12,8 +12,8 @@ const PROBLEM_STAYS = 15_000;
 const GAP = 10;
 
 /**
- * @typedef {"" | "warning" | "loss" | "error" | "away"} Kind the kind of message: a completed action; the reason for a refusal; a
- *   partial loss; a failure; the server's absence
+ * @typedef {"" | "warning" | "loss" | "error" | "lasting" | "away"} Kind the kind of message: a completed action; the reason for a refusal; a
+ *   partial loss; a failure; one that no other action settles; the server's absence
  */
 /** @typedef {(words: string, kind?: Kind) => void} Announce */
 
@@ -49,19 +49,20 @@ export class Status {
     this.say(text.loading);
   }
 
-  /** @param {string} words @param {Kind} [kind] `away` stays until the server is back */
+  /** A completed action removes an error or a refusal that came before it. @param {string} words @param {Kind} [kind] `away` stays until the server is back */
   say(words, kind = "") {
     clearTimeout(this.timer);
     this.line.textContent = kind ? "" : words;
     this.line.title = this.line.textContent; // the full text if it is too long for the window
     if (kind) this.#warn(words, kind);
-    else if (words !== text.loading) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
+    else if (words) this.#settle(["warning", "error"]);
+    if (words !== text.loading && !kind) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
   }
 
   /** Clears success messages and warnings, because a new action starts. */
   clear() {
     if (this.line.textContent !== text.loading) this.say("");
-    if (this.problem.dataset.kind === "warning") this.#settle();
+    this.#settle(["warning"]);
   }
 
   /** Announces that the model is ready, unless another message has been shown meanwhile. */
@@ -74,14 +75,14 @@ export class Status {
     $("note").textContent = words;
   }
 
-  /** @param {unknown} error */
-  fail(error) {
+  /** @param {unknown} error @param {Kind} [kind] `lasting` if it outlives the next completed action */
+  fail(error, kind = "error") {
     if (error instanceof Away) {
       this.connection.lost();
       this.say(text.offline, "away"); // shown again, because a new attempt has failed too
       return;
     }
-    this.say(reasonOf(error), "error");
+    this.say(reasonOf(error), kind);
   }
 
   /** @param {string} words @param {string} kind */
@@ -104,8 +105,9 @@ export class Status {
     if (kind !== "away") wait();
   }
 
-  /** Removes a problem; the message that the server is away stays as long as it is. */
-  #settle() {
+  /** Removes a problem of these kinds; the message that the server is away stays as long as it is. @param {string[]} [kinds] all, unless given */
+  #settle(kinds) {
+    if (kinds && !kinds.includes(this.problem.dataset.kind ?? "")) return;
     clearTimeout(this.problemTimer);
     this.problem.hidden = true;
     document.body.append(this.problem);

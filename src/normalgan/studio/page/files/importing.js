@@ -170,7 +170,9 @@ export class Importing {
         // On a layer with lines, its paper would cover them, and their points would apply to it.
         const apart = activeLayer(doc).strokes.length > 0 && doc.layers.length < MOST_LAYERS;
         const onto = apart ? withNewLayer(doc) : doc;
-        this.editor.commit(named(withStroke(onto, { kind: "picture", picture: await darkOnLight(url), ...placed })));
+        const drawn = await darkOnLight(url);
+        this.editor.commit(named(withStroke(onto, { kind: "picture", picture: drawn, ...placed })));
+        if (drawn !== url) said = `${said} ${text.importedTurned}`;
         if (apart) said = `${said} ${say("layerWorked", { name: this.editor.layer.name })}`;
       }
     }
@@ -193,10 +195,10 @@ export class Importing {
     const drawn = await Promise.all(layers.map(async ({ name: given, opacity, picture, ...box }) => {
       const url = `data:image/png;base64,${picture}`;
       await decodeAll([url]);
-      // An opaque sheet may be light on dark and needs inverting; a transparent layer does not.
+      // An opaque sheet may be light on dark and needs inverting; a dark part of a figure does not.
       const whole = box.width === width && box.height === height;
       /** @type {import("../drawing/document.js").Placed} */
-      const stroke = { kind: "picture", picture: whole ? await darkOnLight(url) : url, ...place(box) };
+      const stroke = { kind: "picture", picture: await darkOnLight(url, whole), ...place(box) };
       return { name: given, visible: opacity > 0, strokes: [stroke] };
     }));
     const whole = withLayers(doc, drawn, fresh);

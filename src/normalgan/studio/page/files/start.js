@@ -50,7 +50,7 @@ export async function begin(parts) {
   try {
     const tabs = await openTabs();
     const { left, failed } = await unsaved(tabs);
-    if (failed) status.say(say("storageUnread", { reason: /** @type {Error} */ (failed).message }), "error");
+    if (failed) status.say(say("storageUnread", { reason: /** @type {Error} */ (failed).message }), "lasting");
     await offer(left, parts, tabs !== null);
   } catch (error) {
     status.fail(error);

@@ -408,6 +408,7 @@ export const text = {
   opened: "Opened “{name}”.",
   imported: "Imported “{name}”.",
   importedSmaller: "Scaled down from {from} to {to} pixels.",
+  importedTurned: "Colours inverted, because its lines are light.",
   importedLayer: "Imported “{name}”: 1 layer.",
   importedLayers: "Imported “{name}”: {count} layers.",
   importedPlain: "Skipped layers without lines: {names}.",

@@ -383,6 +383,7 @@ export const words = {
   opened: "„{name}“ geöffnet.",
   imported: "„{name}“ importiert.",
   importedSmaller: "Von {from} auf {to} Pixel verkleinert.",
+  importedTurned: "Farben umgekehrt, weil die Linien hell sind.",
   importedLayer: "„{name}“ importiert: 1 Ebene.",
   importedLayers: "„{name}“ importiert: {count} Ebenen.",
   importedPlain: "Ebenen ohne Linien übersprungen: {names}.",

@@ -383,6 +383,7 @@ export const words = {
   opened: "«{name}» abierto.",
   imported: "«{name}» importado.",
   importedSmaller: "Reducido de {from} a {to} píxeles.",
+  importedTurned: "Colores invertidos, porque las líneas son claras.",
   importedLayer: "«{name}» importado: 1 capa.",
   importedLayers: "«{name}» importado: {count} capas.",
   importedPlain: "Capas sin líneas omitidas: {names}.",

@@ -383,6 +383,7 @@ export const words = {
   opened: "« {name} » ouvert.",
   imported: "« {name} » importé.",
   importedSmaller: "Réduit de {from} à {to} pixels.",
+  importedTurned: "Couleurs inversées, car les traits sont clairs.",
   importedLayer: "« {name} » importé : 1 calque.",
   importedLayers: "« {name} » importé : {count} calques.",
   importedPlain: "Calques sans lignes ignorés : {names}.",

@@ -383,6 +383,7 @@ export const words = {
   opened: "「{name}」を開きました。",
   imported: "「{name}」を読み込みました。",
   importedSmaller: "{from}から{to}ピクセルに縮小しました。",
+  importedTurned: "線が明るいため、色を反転しました。",
   importedLayer: "「{name}」を読み込みました：レイヤー1枚。",
   importedLayers: "「{name}」を読み込みました：レイヤー{count}枚。",
   importedPlain: "線のないレイヤーを省きました：{names}。",

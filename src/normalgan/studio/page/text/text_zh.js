@@ -383,6 +383,7 @@ export const words = {
   opened: "已打开“{name}”。",
   imported: "已导入“{name}”。",
   importedSmaller: "已从 {from} 缩小到 {to} 像素。",
+  importedTurned: "线条是浅色的，因此已反转颜色。",
   importedLayer: "已导入“{name}”：1 个图层。",
   importedLayers: "已导入“{name}”：{count} 个图层。",
   importedPlain: "已跳过没有线条的图层：{names}。",

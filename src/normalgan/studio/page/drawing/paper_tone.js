@@ -1,0 +1,120 @@
+/** Paper tone: tells the lines of a picture from its paper, which may be photographed, unevenly lit, or darker than they are. */
+
+import { context2d } from "./canvas.js";
+import { inkAt, kindOf } from "./ink.js";
+
+/** Minimum darkness of a line compared with the paper around it: 0 as the paper, 1 as the darkest ink. */
+const INKED = 0.35;
+/** Share of a picture's pixels that are its darkest ink. */
+const DARKEST = 0.005;
+/** Minimum difference between paper and ink in levels; less is grain. */
+const CONTRAST = 48;
+/** Areas wider than a line are ink too if they are about as dark as the darkest ink, as a share of its darkness. */
+const FILLED = 0.25;
+/** Lines of a picture are narrower than this share of its longer side. */
+const WIDEST = 1 / 16;
+/** Longer side in pixels at which the tone of the paper is measured. */
+const SIDE = 256;
+
+/**
+ * Returns the largest level within a distance of each pixel along rows and columns.
+ * @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius
+ */
+function largest(levels, width, height, radius) {
+  let found = levels;
+  for (const [length, step] of [[width, 1], [height, width]]) {
+    const before = found;
+    /** @param {number} at */
+    const placeOf = (at) => (step === 1 ? at % width : Math.floor(at / width));
+    // The largest of `span` levels from each pixel on; doubled until two of them cover the distance.
+    let ahead = before;
+    let span = 1;
+    for (; 2 * span <= 2 * radius + 1; span *= 2) {
+      const [shorter, reach] = [ahead, span];
+      ahead = shorter.map((level, at) => (placeOf(at) + reach < length ? Math.max(level, shorter[at + reach * step]) : level));
+    }
+    found = before.map((_, at) => {
+      const place = placeOf(at);
+      const first = Math.max(place - radius, 0);
+      const last = Math.min(Math.max(place + radius + 1 - span, 0), length - 1);
+      return Math.max(ahead[at + (first - place) * step], ahead[at + (last - place) * step]);
+    });
+  }
+  return found;
+}
+
+/** @param {Uint8Array} levels */
+const turned = (levels) => levels.map((level) => 255 - level);
+
+/** Returns the paper under dark lines: the levels without anything dark that is narrower than twice the radius. @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius */
+const paperUnder = (levels, width, height, radius) => turned(largest(turned(largest(levels, width, height, radius)), width, height, radius));
+
+/** @param {number} width @param {number} height */
+const radiusOf = (width, height) => Math.max(2, Math.round((Math.max(width, height) * WIDEST) / 2));
+
+/** Returns the values below which these shares of all lie. @param {Float32Array | Uint8Array} values @param {number[]} shares */
+function quantiles(values, shares) {
+  const sorted = values.toSorted();
+  return shares.map((share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))]);
+}
+
+/**
+ * Returns whether lines are lighter than the paper: most of what lies close to a line is paper.
+ * @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius
+ */
+function isLightOnDark(levels, width, height, radius) {
+  const high = largest(levels, width, height, radius);
+  const low = turned(largest(turned(levels), width, height, radius));
+  let [near, dark] = [0, 0];
+  for (let i = 0; i < levels.length; i++) {
+    if (high[i] - low[i] <= CONTRAST) continue;
+    near += 1;
+    if (2 * levels[i] < high[i] + low[i]) dark += 1;
+  }
+  return dark > near / 2;
+}
+
+/**
+ * Returns where a drawing has lines, of any colour.
+ * @param {{channels: 1 | 4, bytes: Uint8Array}} pixels @param {number} width @param {number} height
+ * @returns {Uint8Array} 1 on lines
+ */
+export function linesIn({ channels, bytes }, width, height) {
+  if (channels === 1) return bytes.map((level) => Number(255 - level > INKED * 255));
+  const seen = Uint8Array.from({ length: width * height }, (_, i) => {
+    const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
+    return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
+  });
+  const radius = radiusOf(width, height);
+  const levels = isLightOnDark(seen, width, height, radius) ? turned(seen) : seen;
+  const paper = paperUnder(levels, width, height, radius);
+  // A shadow darkens paper and ink by the same factor.
+  const darkness = Float32Array.from(levels, (level, i) => 1 - (level + 1) / (paper[i] + 1));
+  const [darkest] = quantiles(darkness, [1 - DARKEST]);
+  const least = INKED * Math.max(darkest, CONTRAST / 255);
+  const [ink, usual] = quantiles(levels, [DARKEST, 0.5]);
+  const filled = usual - ink > CONTRAST ? ink + FILLED * (usual - ink) : -1;
+  return levels.map((level, i) => Number(darkness[i] > least || level < filled));
+}
+
+/**
+ * Returns the paper of a layer's pictures as a small canvas in inverted colours, which "color-dodge" makes white.
+ * @param {import("./ink.js").Drawn} drawn
+ * @returns {HTMLCanvasElement | null} null if no paper hides what is below it
+ */
+export function invertedPaper({ width, height, strokes }) {
+  const pictures = strokes.filter(({ kind }) => kind === "picture");
+  const { channels, onPaper } = kindOf(pictures);
+  if (channels === 1 || !onPaper) return null;
+  const { canvas, pixels } = inkAt({ width, height, strokes: pictures }, Math.min(SIDE, Math.max(width, height)));
+  const { bytes } = pixels();
+  const image = new ImageData(canvas.width, canvas.height);
+  const radius = radiusOf(canvas.width, canvas.height);
+  for (let c = 0; c < 3; c++) {
+    const levels = Uint8Array.from({ length: bytes.length / 4 }, (_, i) => bytes[4 * i + c]);
+    paperUnder(levels, canvas.width, canvas.height, radius).forEach((level, i) => { image.data[4 * i + c] = 255 - level; });
+  }
+  for (let i = 3; i < image.data.length; i += 4) image.data[i] = 255;
+  context2d(canvas).putImageData(image, 0, 0);
+  return canvas;
+}
