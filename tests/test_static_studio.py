@@ -38,6 +38,7 @@ from normalgan.normals import Bits
 from normalgan.studio.drawings.drawing_request import DrawingRequest
 from normalgan.studio.drawings.limits import TILE_SIDE
 from normalgan.studio.drawings.schemas import DrawingFields, parse
+from normalgan.studio.predictions.figures import FiguresFinding, several_figures
 from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 from web_folder import serve
@@ -180,6 +181,48 @@ def test_an_edge_without_a_line_is_told_as_in_python(studio: "Page") -> None:
     (wanted,) = python()(grey).findings
     (said,) = studio.evaluate(ASK, [*encoded(grey), {}])["findings"]
     assert said["code"] == wanted.code == "edge"
+    np.testing.assert_allclose(said["places"], wanted.places, atol=3)
+
+
+def page_of_three() -> NDArray[np.uint8]:
+    """A page (H, W) with two figures above a third."""
+    page = np.zeros((420, 560), np.float32)
+    for centre, radius in (((150, 130), 70), ((420, 140), 60), ((270, 320), 65)):
+        page = np.maximum(page, outline(blob((420, 560), centre, radius)))
+    return np.rint(255 * (1 - page)).astype(np.uint8)
+
+
+def filled(outlines: list[list[float]], shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillPoly(mask, [np.rint(line).astype(np.int32).reshape(-1, 2) for line in outlines], (1,))
+    return mask > 0
+
+
+@pytest.mark.parametrize("longest", [None, 280])
+def test_separate_figures_are_told_with_their_outlines_as_in_python(
+    studio: "Page", longest: int | None
+) -> None:
+    grey = page_of_three()
+    picture = Picture((grey[..., None].repeat(3, axis=2) / 255).astype(np.float32), None)
+    prepared = prepare(picture, python().size, clean_strokes=True)
+    (wanted,) = several_figures(prepared, picture)
+    assert isinstance(wanted, FiguresFinding)
+    (said,) = studio.evaluate(ASK, [*encoded(grey), {"longest": longest}])["findings"]
+    assert said["code"] == "figures"
+    assert said["count"] == wanted.count == 3
+    np.testing.assert_allclose(said["places"], wanted.places, atol=4)
+    for mine, other in zip(said["outlines"], wanted.outlines, strict=True):
+        one, two = filled(mine, grey.shape), filled([list(line) for line in other], grey.shape)
+        assert np.count_nonzero(one & two) > 0.95 * np.count_nonzero(one | two)
+
+
+def test_places_on_an_icon_are_in_its_own_pixels(studio: "Page") -> None:
+    drawn = cv2.resize(open_blob(slice(80, 180)), (100, 67), interpolation=cv2.INTER_AREA)
+    small = np.asarray(drawn, np.uint8)
+    (wanted,) = (each for each in python()(small).findings if each.code == "edge")
+    (said,) = (
+        each for each in studio.evaluate(ASK, [*encoded(small), {}])["findings"] if each["code"] == "edge"
+    )
     np.testing.assert_allclose(said["places"], wanted.places, atol=3)
 
 

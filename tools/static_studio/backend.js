@@ -5,10 +5,13 @@
 
 import { documents } from "./documents.js";
 import { LIMITS } from "./drawing/limits.js";
+import { corners } from "./drawing/simplify.js";
 import { encodePng, levelsOf, padEdge } from "./png.js";
 
 /** The outputs that can be exported without Python, with their formats. */
 const EXPORTS = { map: ["png8", "png16"], lines: ["png"] };
+/** Maximum distance of a figure's outline from its part of the page, in pixels of the drawing. */
+const DETAIL = 1.5;
 /** The number of layers whose pixels are kept. */
 const MOST_KEPT = 64;
 /** Messages for what may go wrong in the workers, by their codes. */
@@ -45,8 +48,22 @@ class Lacking extends Error {
   }
 }
 
+/** Returns a closed line with fewer points. @param {number[]} line x, y, x, y, … */
+function simplified(line) {
+  const points = Array.from({ length: line.length / 2 + 1 }, (_, i) => ({ x: line[(2 * i) % line.length], y: line[(2 * i + 1) % line.length] }));
+  const away = points.map(({ x, y }) => Math.hypot(x - points[0].x, y - points[0].y));
+  const half = away.indexOf(Math.max(...away));
+  const kept = [...corners(points, DETAIL, 0, half).slice(0, -1), ...corners(points, DETAIL, half).slice(0, -1)];
+  return kept.flatMap((i) => [Math.round(points[i].x), Math.round(points[i].y)]);
+}
+
+/** Returns findings with outlines of as many figures as there can be layers. @param {import("./result/findings.js").Finding[]} findings */
+const outlined = (findings) => findings.map(({ outlines, ...rest }) => (outlines
+  ? { ...rest, outlines: outlines.length > LIMITS.layers ? [] : outlines.map((lines) => lines.map(simplified)) }
+  : rest));
+
 /** @param {import("./result/findings.js").Finding[]} findings */
-const findingsHeader = (findings) => ({ "X-Findings": encodeURIComponent(JSON.stringify(findings)) });
+const findingsHeader = (findings) => ({ "X-Findings": encodeURIComponent(JSON.stringify(outlined(findings))) });
 
 /** @param {unknown} value @param {number} [status] @param {Record<string, string>} [headers] */
 const json = (value, status = 200, headers = {}) =>

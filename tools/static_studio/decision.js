@@ -2,14 +2,16 @@
 
 import { DECISION, REGIONS } from "./constants.js";
 import { snapOutline } from "./edge.js";
+import { severalFigures } from "./figures.js";
 import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
 const { INKED } = REGIONS;
 const { OPEN, REACH, SIDE, UNSURE_HIGH, UNSURE_LOW, UNSURE_SHARE } = DECISION;
 
-/** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[]}} Decision
- *   the object, null if none is found, its coverage of each pixel, and the findings */
+/** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[],
+ *   figures: import("./result/findings.js").Finding[]}} Decision
+ *   the object, null if none is found, its coverage of each pixel, and the findings about it and about separate figures */
 
 /**
  * Returns the object according to the lines and the reader's presence.
@@ -42,7 +44,8 @@ export function decide(ink, width, height, reading) {
   const rough = same ? mask : above(refitted(mask, wide, high, width, height), 0.5);
   const covered = snapOutline(rough, ink, width, height);
   const object = above(covered, 0.5);
-  return object.includes(1) ? { mask: object, covered, unsure } : { mask: null, covered: null, unsure: [{ code: "guessed" }] };
+  const figures = reading ? severalFigures(small, presence, wide, high, reading, scale) : [];
+  return object.includes(1) ? { mask: object, covered, unsure, figures } : { mask: null, covered: null, unsure: [{ code: "guessed" }], figures };
 }
 
 /** Returns the size at which areas are voted on. @param {number} width @param {number} height @returns {[number, number]} */

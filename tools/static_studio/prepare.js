@@ -18,6 +18,7 @@ import { brightness, inkAt, read } from "./reader.js";
  * @property {Frame} frame
  * @property {Float32Array} seen the network's input
  * @property {import("./result/findings.js").Finding[]} unsure findings about regions of which the reader is unsure
+ * @property {import("./result/findings.js").Finding[]} figures the finding about separate figures, if there are any
  */
 
 const { DRAWN_WIDTH, FINER, ROUGH, THIN } = LINE_WIDTH;
@@ -69,7 +70,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   if (!frame || !ink.some((value) => value >= LEAST)) throw new Unpaintable("no_lines");
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
-  const rest = { width, height, map, ink, frame, seen, unsure: [], alpha: null, covered: null };
+  const rest = { width, height, map, ink, frame, seen, unsure: [], figures: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, source ? null : await asked) };

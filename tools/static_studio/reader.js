@@ -6,7 +6,8 @@ import { components, extreme, filtered, part, refitted, resized, rint, where } f
 const { DOUBT, FLAT, GREY, NARROWEST, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } = READER;
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
-/** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the scale at which the network saw the drawing */
+/** @typedef {{ink: Float32Array, presence: Float32Array, middle: Float32Array[], width: number, height: number}} Reading probabilities, and x and y of the
+ *   middle of each pixel's object as shares of the picture's sides, at the scale at which the network saw the drawing */
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Picture grey, in colour, or with opacity */
 
 /** Weights of the window in which ink follows brightness. */
@@ -57,13 +58,15 @@ function putIn(page, nearer, [left, top, right, bottom], width, height) {
   const [across, down] = [nearer.width / (right - left), nearer.height / (bottom - top)];
   const [wide, high] = [Math.max(rint(width * across), nearer.width), Math.max(rint(height * down), nearer.height)];
   const [x, y] = [Math.min(rint(left * across), wide - nearer.width), Math.min(rint(top * down), high - nearer.height)];
-  /** @param {"ink" | "presence"} name */
-  const whole = (name) => {
-    const values = resized(page[name], page.width, page.height, wide, high, 1, "points");
-    for (let row = 0; row < nearer.height; row++) values.set(nearer[name].subarray(row * nearer.width, (row + 1) * nearer.width), (y + row) * wide + x);
+  /** @param {Float32Array} around @param {Float32Array} within */
+  const whole = (around, within) => {
+    const values = resized(around, page.width, page.height, wide, high, 1, "points");
+    for (let row = 0; row < nearer.height; row++) values.set(within.subarray(row * nearer.width, (row + 1) * nearer.width), (y + row) * wide + x);
     return values;
   };
-  return { ink: whole("ink"), presence: whole("presence"), width: wide, height: high };
+  const sides = [[left, right, width], [top, bottom, height]];
+  const middle = sides.map(([start, end, side], axis) => whole(page.middle[axis], nearer.middle[axis].map((each) => (start + each * (end - start)) / side)));
+  return { ink: whole(page.ink, nearer.ink), presence: whole(page.presence, nearer.presence), middle, width: wide, height: high };
 }
 
 /**
@@ -98,7 +101,12 @@ async function look({ pixels, width: wide, height: high, channels }, paper, netw
   const box = /** @type {import("./raster.js").Box} */ ([left, top, left + width, top + height]);
   const [ink, presence] = [0, 1].map((c) => found.slice(c * across * down, (c + 1) * across * down).map((value) => 1 / (1 + Math.exp(-value))));
   const grey = ink.map((_, i) => GREY[2] * picture[i] + GREY[1] * picture[i + ink.length] + GREY[0] * picture[i + 2 * ink.length]);
-  return { ink: part(byTone(ink, grey, across, down), across, down, box), presence: part(presence, across, down, box), width, height };
+  const longer = Math.max(across, down);
+  const middle = [width, height].map((side, axis) => {
+    const offset = part(found.subarray((2 + axis) * across * down, (3 + axis) * across * down), across, down, box);
+    return offset.map((each, i) => ((axis ? Math.floor(i / width) : i % width) + each * longer) / side);
+  });
+  return { ink: part(byTone(ink, grey, across, down), across, down, box), presence: part(presence, across, down, box), middle, width, height };
 }
 
 /** Returns the median of a plane along its border. @param {Float32Array} plane @param {number} width @param {number} height */

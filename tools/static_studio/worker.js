@@ -141,11 +141,19 @@ async function paintLayer({ ink, strokes, hints, areas, form, structures }, ways
     const [{ lines, normal, confidence }] = ways.length > 1 ? byError(tried) : tried;
     const { normals, mask, covered, width, height, findings: said } = await finish(lines, normal, refiner, byHand(strokes, wide, high, enlarged, lines.ink));
     const scale = width / ink.width;
-    const findings = [...said, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
+    const placed = said.map((each) => inDrawing(each, enlarged));
+    const findings = [...placed, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
     hold({ normals, mask, width, height }, hints, areas, form, scale, await tilesOf(areas, structures));
     // Few requests need it, and it is as large as the map.
     return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => certaintyOf(confidence, lines) };
   });
+}
+
+/** Returns a finding with its places and outlines in pixels of the drawing. @param {Finding} finding @param {number} enlarged pixels of the finding for one of these @returns {Finding} */
+function inDrawing({ places, outlines, ...rest }, enlarged) {
+  if (!places) return rest;
+  const shrunk = places.map(([x, y]) => /** @type {[number, number]} */ ([x / enlarged, y / enlarged]));
+  return { ...rest, places: shrunk, ...(outlines && { outlines: outlines.map((lines) => lines.map((line) => line.map((each) => each / enlarged))) }) };
 }
 
 /** Returns the tiles of all structures, by picture or kind. @param {Layer["areas"]} areas @param {Layer["structures"]} structures */
@@ -186,13 +194,15 @@ async function paintLayers({ layers, longest, changedOnly }) {
   }
   const ways = waysToSee(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
-  for (const [i, { layer, name, key }] of parts.entries()) {
+  for (const [i, { layer, name, key, lines }] of parts.entries()) {
     const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form, Object.keys(layer.structures)]);
     const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
       const found = await paintLayer(layer, ways[i], before ?? `${own} ${all}`);
       maps.push(found);
       said.push(...found.findings.map((each) => ({ ...each, layer: name })));
+      // Among other layers it is a part of something, and may be in pieces.
+      if (layers.length === 1) said.push(...lines.figures.map((each) => inDrawing(each, lines.width / layer.ink.width)));
       if (found.findings.length && parts.length > 1 && ways[i].length === 1) said.push({ code: "alone", layer: name });
     } catch (error) {
       without(name, error);
