@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import AWAY, SIDE, Server, Studio, begun, open_studio, serving
+from studio_page import AWAY, RADIUS, SIDE, Server, Studio, begun, open_studio, serving
 
 from chromium import storage
 from normal_pngs import read_png
@@ -599,6 +599,24 @@ def leave_line(context: "BrowserContext", server: Server) -> None:
 def wait_for_kept(studio: Studio, here: int, there: int) -> None:
     """Wait until so much unsaved work is kept: `wait_for_function` takes a promise for true."""
     studio.until(lambda: studio.page.evaluate(KEPT), [here, there].__eq__)
+
+
+def test_a_reloaded_page_restores_its_own_work_among_others(opened: "Browser", server: Server) -> None:
+    with storage(opened, width=1200, height=700) as context:
+        leave_line(context, server)
+        with begun(context, server) as studio:
+            page = studio.page
+            page.locator("#toast button", has_text="Not now").click()
+            studio.circle()
+            wait_for_kept(studio, 2, 2)
+            for _ in range(2):  # also before anything else is drawn
+                page.reload()
+                page.wait_for_selector("html[data-ready]")
+                studio.restored()
+                assert studio.inked(SIDE / 2 + RADIUS, SIDE / 2)
+                assert page.locator("#restore").is_hidden()
+            page.locator("#open").click()
+            assert page.locator("#open-unsaved").inner_text() == "Unsaved work (1)"
 
 
 def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser", server: Server) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -146,6 +147,24 @@ def test_the_paper_is_trimmed_to_what_is_drawn(studio: Studio) -> None:
     page.keyboard.press("Control+z")
     studio.size = SIDE, SIDE
     assert studio.inked(60, 125)
+
+
+def test_photographed_paper_is_trimmed_to_its_lines(studio: Studio, tmp_path: Path) -> None:
+    photo = np.rint(np.linspace(120, 200, SIDE * SIDE)).astype(np.uint8).reshape(SIDE, SIDE)
+    cv2.circle(photo, (100, 120), 40, (60,), 5)
+    cv2.imwrite(str(tmp_path / "photo.png"), photo)
+    page = studio.page
+    page.set_input_files("#import-file", files=tmp_path / "photo.png")
+    with studio.repainting():
+        page.locator("#choose button[value=drawing]").click()
+    page.locator("#paper summary").click()
+    with studio.repainting():
+        page.locator("#paper-trim").click()
+    width, height = (int(side) for side in page.locator("#pixels").inner_text().split(" × "))
+    assert 86 <= width <= 105
+    assert 86 <= height <= 105
+    with studio.saying("The paper already fits"):
+        page.locator("#paper-trim").click()
 
 
 def test_paper_that_is_trimmed_to_a_dot_is_as_large_as_a_drawing_must_be(studio: Studio) -> None:

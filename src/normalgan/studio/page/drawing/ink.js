@@ -10,8 +10,8 @@ import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
 /** Maximum side of the ink in pixels, and maximum scale; more is slow and not visible. */
 const FINE = 1536;
 const MOST = 3;
-/** Darkest level that counts as paper. */
-const WHITE = 250;
+/** Darkest level that counts as white paper. */
+export const WHITE = 250;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 
 /** @param {Box | null} a @param {Box} b @returns {Box} */
@@ -74,30 +74,6 @@ export function linesAt(doc, longest) {
     context.drawImage(canvas, 0, 0);
   }
   return first;
-}
-
-/**
- * Returns the bounding box of everything drawn on visible layers, clipped to the paper.
- * @param {import("./document.js").Doc} doc
- * @returns {Box | null} in whole pixels; null if nothing is drawn
- */
-export function drawnBox({ width, height, layers }) {
-  let [left, top, right, bottom] = [width, height, 0, 0];
-  for (const { strokes } of layers.filter(({ visible }) => visible)) {
-    const { bytes, channels } = inkAt({ width, height, strokes }, Math.max(width, height)).pixels();
-    const { onPaper } = kindOf(strokes);
-    for (let row = 0, at = 0; row < height; row++) {
-      for (let column = 0; column < width; column++, at += channels) {
-        const drawn = onPaper
-          ? bytes[at] <= WHITE || (channels === 4 && (bytes[at + 1] <= WHITE || bytes[at + 2] <= WHITE))
-          : bytes[at + 3] >= 255 - WHITE;
-        if (!drawn) continue;
-        [left, right] = [Math.min(left, column), Math.max(right, column + 1)];
-        [top, bottom] = [Math.min(top, row), Math.max(bottom, row + 1)];
-      }
-    }
-  }
-  return right > left ? { left, top, right, bottom } : null;
 }
 
 export class Ink {

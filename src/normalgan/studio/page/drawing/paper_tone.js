@@ -1,7 +1,7 @@
 /** Paper tone: tells the lines of a picture from its paper, which may be photographed, unevenly lit, or darker than they are. */
 
 import { context2d } from "./canvas.js";
-import { inkAt, kindOf } from "./ink.js";
+import { WHITE, inkAt, kindOf } from "./ink.js";
 
 /** Minimum darkness of a line compared with the paper around it: 0 as the paper, 1 as the darkest ink. */
 const INKED = 0.35;
@@ -13,8 +13,11 @@ const CONTRAST = 48;
 const FILLED = 0.25;
 /** Lines of a picture are narrower than this share of its longer side. */
 const WIDEST = 1 / 16;
-/** Longer side in pixels at which the tone of the paper is measured. */
+/** Longer side in pixels at which the tone of the paper is measured, and at which lines on photographed paper are. */
 const SIDE = 256;
+const LINES_SIDE = 512;
+/** Pixels of the drawing left around lines on photographed paper. */
+const ROOM = 8;
 
 /**
  * Returns the largest level within a distance of each pixel along rows and columns.
@@ -117,4 +120,53 @@ export function invertedPaper({ width, height, strokes }) {
   for (let i = 3; i < image.data.length; i += 4) image.data[i] = 255;
   context2d(canvas).putImageData(image, 0, 0);
   return canvas;
+}
+
+/**
+ * Returns the bounding box of everything drawn on visible layers, clipped to the paper; on photographed paper the lines count.
+ * @param {import("./document.js").Doc} doc
+ * @returns {import("./ink.js").Box | null} in whole pixels; null if nothing is drawn
+ */
+export function drawnBox({ width, height, layers }) {
+  const boxes = layers.filter(({ visible }) => visible).flatMap(({ strokes }) => boxOfLayer({ width, height, strokes }) ?? []);
+  if (!boxes.length) return null;
+  const ends = (/** @type {(box: import("./ink.js").Box) => number} */ end) => boxes.map(end);
+  return {
+    left: Math.min(...ends(({ left }) => left)), top: Math.min(...ends(({ top }) => top)),
+    right: Math.max(...ends(({ right }) => right)), bottom: Math.max(...ends(({ bottom }) => bottom)),
+  };
+}
+
+/** @param {import("./ink.js").Drawn} drawn */
+function boxOfLayer({ width, height, strokes }) {
+  const longest = Math.max(width, height);
+  const { channels, bytes } = inkAt({ width, height, strokes }, longest).pixels();
+  const { onPaper } = kindOf(strokes);
+  const marked = Uint8Array.from({ length: width * height }, (_, i) => {
+    if (channels === 1) return Number(bytes[i] <= WHITE);
+    if (!onPaper) return Number(bytes[4 * i + 3] >= 255 - WHITE);
+    return Number(Math.min(bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2]) <= WHITE);
+  });
+  const whitePaper = channels === 1 || !onPaper || marked.reduce((sum, each) => sum + each, 0) < marked.length / 2;
+  if (whitePaper) return boxOf(marked, width);
+  const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(LINES_SIDE, longest));
+  const found = boxOf(linesIn(pixels(), canvas.width, canvas.height), canvas.width);
+  if (!found) return boxOf(marked, width); // an area of paint
+  const [across, down] = [width / canvas.width, height / canvas.height];
+  return {
+    left: Math.max(0, Math.floor(found.left * across) - ROOM), top: Math.max(0, Math.floor(found.top * down) - ROOM),
+    right: Math.min(width, Math.ceil(found.right * across) + ROOM), bottom: Math.min(height, Math.ceil(found.bottom * down) + ROOM),
+  };
+}
+
+/** Returns the bounding box of marked pixels, or null if there are none. @param {Uint8Array} marked @param {number} width @returns {import("./ink.js").Box | null} */
+function boxOf(marked, width) {
+  const box = { left: width, top: marked.length / width, right: 0, bottom: 0 };
+  marked.forEach((on, at) => {
+    if (!on) return;
+    const [x, y] = [at % width, Math.floor(at / width)];
+    [box.left, box.right] = [Math.min(box.left, x), Math.max(box.right, x + 1)];
+    [box.top, box.bottom] = [Math.min(box.top, y), Math.max(box.bottom, y + 1)];
+  });
+  return box.right > box.left ? box : null;
 }

@@ -1,6 +1,7 @@
 /** Autosave: save each change to the browser's store at once, and to the server some seconds later. */
 
 import { isEmpty } from "../drawing/document.js";
+import { tabRecalls, tabRemembers } from "../elements/settings.js";
 import { Away, autosaves, isGone } from "../server/api.js";
 import { text } from "../text/text.js";
 import { StoreFailure, forget, keep, kept } from "./store.js";
@@ -12,6 +13,9 @@ const SAID = { full: text.storageFull, newer: text.storageNewer, blocked: text.s
 
 /** Returns the message for a failure of the store; other errors are returned unchanged. @param {unknown} error @returns {unknown} */
 export const inWords = (error) => (error instanceof StoreFailure ? new Error(SAID[error.why]) : error);
+
+/** Remembers across a reload whose work this tab shows: its own, until it borrows that of another. */
+const WORKED = "normalgan-worked";
 
 /** Event `failed` (detail: the error) when the browser cannot keep the work. */
 export class Autosave extends EventTarget {
@@ -58,6 +62,13 @@ export class Autosave extends EventTarget {
     addEventListener("pagehide", () => this.flush());
   }
 
+  /** Returns the tab whose work was shown here before the page was reloaded; null if it was not. From now on it is this page's. */
+  previousTab() {
+    const before = tabRecalls(WORKED);
+    tabRemembers(WORKED, this.tab);
+    return before;
+  }
+
   get dirty() {
     return this.editor.history.state !== this.clean;
   }
@@ -70,6 +81,7 @@ export class Autosave extends EventTarget {
   /** Marks the current document as work left by another tab. @param {Left} left @param {() => void} release lets other tabs have it */
   borrow(left, release) {
     this.borrowed = left;
+    tabRemembers(WORKED, left.tab);
     this.release = release;
     this.clean = this.editor.history.state;
   }
@@ -77,6 +89,7 @@ export class Autosave extends EventTarget {
   /** Leaves the borrowed work as it was. */
   putBack() {
     this.borrowed = null;
+    tabRemembers(WORKED, this.tab);
     this.release();
   }
 
@@ -85,6 +98,7 @@ export class Autosave extends EventTarget {
     const { borrowed, release } = this;
     this.borrowed = null;
     if (!borrowed) return;
+    tabRemembers(WORKED, this.tab);
     await this.drop(borrowed);
     release();
   }

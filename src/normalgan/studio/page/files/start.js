@@ -26,7 +26,8 @@ const SMALL = 96;
  * @param {Parts} parts
  */
 export async function begin(parts) {
-  const { projects, importing, status } = parts;
+  const { projects, importing, status, autosave } = parts;
+  const before = autosave.previousTab();
   try {
     // Only once per tab: after a reload, unsaved changes to it are offered instead.
     const again = tabRecalls(OPENED) !== null;
@@ -51,7 +52,7 @@ export async function begin(parts) {
     const tabs = await openTabs();
     const { left, failed } = await unsaved(tabs);
     if (failed) status.say(say("storageUnread", { reason: /** @type {Error} */ (failed).message }), "lasting");
-    await offer(left, parts, tabs !== null);
+    await offer(left, parts, tabs !== null, before);
   } catch (error) {
     status.fail(error);
   }
@@ -62,10 +63,11 @@ export async function begin(parts) {
 let offered = [];
 
 /**
- * Restores unsaved work if it is the only one and nothing would be lost; otherwise offers the newest and a list.
+ * Restores unsaved work if it is this tab's own or the only one, and nothing would be lost; otherwise offers the newest and a list.
  * @param {Left[]} found @param {Parts} parts @param {boolean} sure whether no other tab can be working on it
+ * @param {string | null} [before] tab whose work was shown here before a reload
  */
-async function offer(found, parts, sure) {
+async function offer(found, parts, sure, before = null) {
   offered = found;
   $("restore-yes").onclick = $("restore-no").onclick = $("restore-all").onclick = null;
   const acts = actsOf(parts);
@@ -76,16 +78,17 @@ async function offer(found, parts, sure) {
   };
   noteCount();
   if (!found.length) return;
-  let [newest] = found;
+  const own = found.find(({ tab }) => tab === before);
+  let newest = own ?? found[0];
   let about = await described(newest);
-  for (const other of found.slice(1)) {
+  for (const other of found) {
     if (!about.problem) break;
     const next = await described(other);
     if (!next.problem) [newest, about] = [other, next];
   }
   const { name, when, problem, read } = about;
   // Work that only the server has may belong to another open browser.
-  if (found.length === 1 && sure && newest.here && read && !read.missing && fits(read, parts)) {
+  if ((found.length === 1 || newest === own) && sure && newest.here && read && !read.missing && fits(read, parts)) {
     await restoreAtOnce(newest, read, about, parts);
     return;
   }
@@ -124,9 +127,10 @@ function fits({ doc, etag }, { projects, autosave }) {
  * @param {Left} left @param {Found} read @param {{name: string, when: string}} about @param {Parts} parts
  */
 async function restoreAtOnce(left, read, { name, when }, { projects, autosave, status }) {
+  const others = offered.filter((each) => each !== left);
   const release = await hold(left.tab);
   if (!release) { // a tab that opened at the same time has it
-    offered = [];
+    offered = others;
     noteCount();
     return;
   }
@@ -140,13 +144,13 @@ async function restoreAtOnce(left, read, { name, when }, { projects, autosave, s
   }
   if (!loaded) return;
   autosave.borrow(left, release);
-  offered = [];
+  offered = others;
   noteCount();
   const back = async () => {
     // Changes since then belong to this tab, and the user is asked about them.
     if (autosave.borrowed === left) {
       autosave.putBack();
-      offered = [left];
+      offered = [left, ...others];
       noteCount();
     }
     if (await projects.load(before.doc, before.etag, true, before.past)) status.say(text.keptForLater);

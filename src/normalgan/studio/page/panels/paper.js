@@ -1,8 +1,8 @@
 /** Paper: the panel for the paper's size and reference pictures. */
 
 import { withPictures } from "../drawing/document.js";
-import { drawnBox } from "../drawing/ink.js";
 import { onPaper, trimmedTo } from "../drawing/moving.js";
+import { drawnBox } from "../drawing/paper_tone.js";
 import { $, field, label, make, open } from "../elements/dom.js";
 import { icon } from "../elements/icons.js";
 import { say, text } from "../text/text.js";
@@ -67,6 +67,10 @@ function trim(editor, status) {
     return;
   }
   const doc = trimmedTo(editor.doc, box);
-  if (doc.width !== editor.doc.width || doc.height !== editor.doc.height) editor.commit(doc);
+  if (doc.width === editor.doc.width && doc.height === editor.doc.height) {
+    status.say(text.trimmedAlready);
+    return;
+  }
+  editor.commit(doc);
   status.say(say("trimmed", { size: say("pixels", { width: doc.width, height: doc.height }) }));
 }

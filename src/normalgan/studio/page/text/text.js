@@ -305,6 +305,7 @@ export const text = {
   paperAlong: "Scale the drawing with the paper",
   trim: "Trim to the drawing",
   trimmed: "Trimmed to {size}.",
+  trimmedAlready: "The paper already fits the drawing.",
   trimNothing: "Nothing is drawn on the visible layers.",
   pictureTitle: "Reference pictures",
   pictureNone: "None yet.",

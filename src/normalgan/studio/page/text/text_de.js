@@ -291,6 +291,7 @@ export const words = {
   paperAlong: "Zeichnung mit dem Papier skalieren",
   trim: "Auf Zeichnung zuschneiden",
   trimmed: "Auf {size} zugeschnitten.",
+  trimmedAlready: "Das Papier passt schon zur Zeichnung.",
   trimNothing: "Auf den sichtbaren Ebenen ist nichts gezeichnet.",
   pictureTitle: "Referenzbilder",
   pictureNone: "Noch keine.",

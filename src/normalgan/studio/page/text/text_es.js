@@ -291,6 +291,7 @@ export const words = {
   paperAlong: "Escalar el dibujo con el papel",
   trim: "Recortar al dibujo",
   trimmed: "Recortado a {size}.",
+  trimmedAlready: "El papel ya se ajusta al dibujo.",
   trimNothing: "No hay nada dibujado en las capas visibles.",
   pictureTitle: "Imágenes de referencia",
   pictureNone: "Ninguna todavía.",

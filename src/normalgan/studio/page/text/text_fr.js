@@ -291,6 +291,7 @@ export const words = {
   paperAlong: "Redimensionner le dessin avec le papier",
   trim: "Rogner au dessin",
   trimmed: "Rogné à {size}.",
+  trimmedAlready: "Le papier correspond déjà au dessin.",
   trimNothing: "Rien n'est dessiné sur les calques visibles.",
   pictureTitle: "Images de référence",
   pictureNone: "Aucune.",

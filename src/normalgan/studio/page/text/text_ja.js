@@ -291,6 +291,7 @@ export const words = {
   paperAlong: "絵も一緒に拡大縮小",
   trim: "絵に合わせて切り抜く",
   trimmed: "{size} に切り抜きました。",
+  trimmedAlready: "用紙はすでに描画に合っています。",
   trimNothing: "表示中のレイヤーには何も描かれていません。",
   pictureTitle: "参考画像",
   pictureNone: "まだありません。",

@@ -291,6 +291,7 @@ export const words = {
   paperAlong: "绘图随画纸缩放",
   trim: "裁剪到绘图",
   trimmed: "已裁剪为 {size}。",
+  trimmedAlready: "画纸已贴合绘图。",
   trimNothing: "可见图层上没有任何绘图。",
   pictureTitle: "参考图",
   pictureNone: "还没有。",
