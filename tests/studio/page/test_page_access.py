@@ -200,6 +200,17 @@ def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: S
               .filter(([, width, height]) => width < 44 || height < 44)"""
         )
         assert small == []
+        for tool in ("pen", "eraser", "select", "mask", "brush", "light"):
+            page.locator(f"#tool-{tool}").evaluate("each => each.click()")
+            # A bar to scroll would take the room of the options' names.
+            scrolls = page.evaluate(
+                """() => [...document.querySelectorAll(".options")].filter((each) => each.checkVisibility())
+                  .filter((each) => each.scrollWidth > each.clientWidth
+                    || (each.scrollHeight > each.clientHeight && getComputedStyle(each).overflowY === "auto"))
+                  .map((each) => each.id)"""
+            )
+            assert scrolls == [], tool
+        page.locator("#tool-hint").click()
         card, pane = page.locator("#point").bounding_box(), page.locator("#board").bounding_box()
         assert card is not None
         assert pane is not None
