@@ -216,6 +216,16 @@ def test_separate_figures_are_told_with_their_outlines_as_in_python(
         assert np.count_nonzero(one & two) > 0.95 * np.count_nonzero(one | two)
 
 
+def test_an_open_edge_that_a_layer_in_front_hides_is_not_told(studio: "Page") -> None:
+    handle = open_blob(slice(80, 180))
+    mug = np.rint(255 * (1 - outline(blob((200, 300), (130, 150), 45)))).astype(np.uint8)
+    codes = [
+        [each["code"] for each in studio.evaluate(ASK, [*encoded(*layers), {}])["findings"]]
+        for layers in ((handle, mug), (mug, handle))
+    ]
+    assert ["edge" in each for each in codes] == [False, True]
+
+
 def test_places_on_an_icon_are_in_its_own_pixels(studio: "Page") -> None:
     drawn = cv2.resize(open_blob(slice(80, 180)), (100, 67), interpolation=cv2.INTER_AREA)
     small = np.asarray(drawn, np.uint8)

@@ -178,7 +178,7 @@ async function paintLayers({ layers, longest, changedOnly }) {
   const maps = [];
   /** @type {{layer: Layer, name: string, key: string, lines: import("./prepare.js").Prepared}[]} */
   const parts = [];
-  /** @type {Finding[]} */
+  /** @type {{finding: Finding, layer: number}[]} layer: the number of its map */
   const said = [];
   /** @type {Finding[]} */
   const lacks = [];
@@ -200,16 +200,22 @@ async function paintLayers({ layers, longest, changedOnly }) {
     try {
       const found = await paintLayer(layer, ways[i], before ?? `${own} ${all}`);
       maps.push(found);
-      said.push(...found.findings.map((each) => ({ ...each, layer: name })));
+      const number = maps.length - 1;
+      said.push(...found.findings.map((each) => ({ finding: { ...each, layer: name }, layer: number })));
       // Among other layers it is a part of something, and may be in pieces.
-      if (layers.length === 1) said.push(...lines.figures.map((each) => inDrawing(each, lines.width / layer.ink.width)));
-      if (found.findings.length && parts.length > 1 && ways[i].length === 1) said.push({ code: "alone", layer: name });
+      if (layers.length === 1) said.push(...lines.figures.map((each) => ({ finding: inDrawing(each, lines.width / layer.ink.width), layer: number })));
+      if (found.findings.length && parts.length > 1 && ways[i].length === 1) said.push({ finding: { code: "alone", layer: name }, layer: number });
     } catch (error) {
       without(name, error);
     }
   }
   if (!maps.length) throw new Unpaintable(lacks[0]?.code ?? "no_lines", lacks[0]?.layer);
-  return { maps, findings: [...said, ...lacks] };
+  // Nobody sees where the edge of a part ends behind another.
+  const inSight = said.filter(({ finding: { code, places = [] }, layer }) => code !== "edge" || !places.every(([x, y]) => maps.slice(layer + 1).some((map) => {
+    const scale = map.width / layers[0].ink.width;
+    return map.mask[Math.floor(y * scale) * map.width + Math.floor(x * scale)];
+  })));
+  return { maps, findings: [...inSight.map(({ finding }) => finding), ...lacks] };
 }
 
 /** @param {PaintRequest} request @returns {Promise<Answer>} */

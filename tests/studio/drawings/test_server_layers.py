@@ -258,3 +258,14 @@ def test_pixels_that_do_not_go_with_the_layers_are_told_so(model: Path, tmp_path
         answer = sent(client, 1, [(fields, own + b"more")])
         assert answer.status_code == 400
         assert "there are" in answer.json()["error"]
+
+
+def test_an_open_edge_that_a_layer_in_front_hides_is_not_told(model: Path, tmp_path: Path) -> None:
+    open_ring = ring(60)
+    open_ring[:, 76:] = 255
+    handle, mug = layer(1, "Handle", open_ring), layer(2, "Mug", ring(56, 46, 24))
+    with serving(model, tmp_path) as client:
+        hidden = codes(client.post("/api/predict", json=ask(1, handle, mug)))
+        seen = codes(client.post("/api/predict", json=ask(2, mug, handle)))
+    assert ("Handle", "edge") not in hidden
+    assert ("Handle", "edge") in seen

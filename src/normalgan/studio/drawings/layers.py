@@ -87,5 +87,16 @@ def predict_layers(
         raise LackingError(lacks[0].words, lacks[0].code, lacks[0].layer)
     if len({each.mask.shape for each in predicted}) > 1:
         raise InputError("the layers have different sizes; all must have the size of the drawing.")
-    whole = compose(predicted)
+    told = [_in_sight(each.findings, predicted[i + 1 :]) for i, each in enumerate(predicted)]
+    whole = compose([replace(each, findings=said) for each, said in zip(predicted, told, strict=True)])
     return replace(whole, findings=(*whole.findings, *lacks))
+
+
+def _in_sight(findings: Sequence[Finding], front: Sequence[NormalMap]) -> tuple[Finding, ...]:
+    """Return the findings of a layer without open edges that a layer in front of it hides."""
+
+    def is_hidden(place: tuple[float, float]) -> bool:
+        column, row = (int(each) for each in place)
+        return any(bool(each.mask[row, column]) for each in front)
+
+    return tuple(each for each in findings if each.code != "edge" or not all(map(is_hidden, each.places)))
