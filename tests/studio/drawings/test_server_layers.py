@@ -267,5 +267,8 @@ def test_an_open_edge_that_a_layer_in_front_hides_is_not_told(model: Path, tmp_p
     with serving(model, tmp_path) as client:
         hidden = codes(client.post("/api/predict", json=ask(1, handle, mug)))
         seen = codes(client.post("/api/predict", json=ask(2, mug, handle)))
-    assert ("Handle", "edge") not in hidden
+        drawn = [raw(1, "Handle", None, open_ring), raw(2, "Mug", None, ring(56, 46, 24))]
+        small, large = (codes(sent(client, 3, drawn, longest=longest)) for longest in (WIDTH // 2, 2 * WIDTH))
     assert ("Handle", "edge") in seen
+    for each in (hidden, small, large):
+        assert ("Handle", "edge") not in each

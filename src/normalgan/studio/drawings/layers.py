@@ -87,16 +87,31 @@ def predict_layers(
         raise LackingError(lacks[0].words, lacks[0].code, lacks[0].layer)
     if len({each.mask.shape for each in predicted}) > 1:
         raise InputError("the layers have different sizes; all must have the size of the drawing.")
-    told = [_in_sight(each.findings, predicted[i + 1 :]) for i, each in enumerate(predicted)]
+    # A PNG's own size is not known here, but only raw pixels are sent for maps of another size.
+    shape = drawings[0].shape or predicted[0].mask.shape
+    told = [_in_sight(each.findings, predicted[i + 1 :], shape) for i, each in enumerate(predicted)]
     whole = compose([replace(each, findings=said) for each, said in zip(predicted, told, strict=True)])
     return replace(whole, findings=(*whole.findings, *lacks))
 
 
-def _in_sight(findings: Sequence[Finding], front: Sequence[NormalMap]) -> tuple[Finding, ...]:
-    """Return the findings of a layer without open edges that a layer in front of it hides."""
+def _in_sight(
+    findings: Sequence[Finding], front: Sequence[NormalMap], shape: tuple[int, ...]
+) -> tuple[Finding, ...]:
+    """Return the findings of a layer without open edges that a layer in front of it hides.
+
+    Args:
+        findings: the findings, with places in pixels of the drawing.
+        front: maps of the layers in front.
+        shape: (H, W) of the drawing.
+    """
 
     def is_hidden(place: tuple[float, float]) -> bool:
-        column, row = (int(each) for each in place)
-        return any(bool(each.mask[row, column]) for each in front)
+        return any(bool(each.mask[_index(place, shape, each.mask.shape)]) for each in front)
 
     return tuple(each for each in findings if each.code != "edge" or not all(map(is_hidden, each.places)))
+
+
+def _index(place: tuple[float, float], shape: tuple[int, ...], size: tuple[int, ...]) -> tuple[int, int]:
+    """Return the row and column in a map (h, w) of a place x, y in a drawing (H, W)."""
+    (x, y), (height, width), (rows, columns) = place, shape, size
+    return min(int(y * rows / height), rows - 1), min(int(x * columns / width), columns - 1)
