@@ -25,23 +25,31 @@ const ROOM = 8;
  */
 function largest(levels, width, height, radius) {
   let found = levels;
-  for (const [length, step] of [[width, 1], [height, width]]) {
-    const before = found;
-    /** @param {number} at */
-    const placeOf = (at) => (step === 1 ? at % width : Math.floor(at / width));
+  // Loops without a function per pixel, since a large drawing has many.
+  for (const [lines, between, length, step] of [[height, width, width, 1], [width, 1, height, width]]) {
     // The largest of `span` levels from each pixel on; doubled until two of them cover the distance.
-    let ahead = before;
+    let ahead = found;
     let span = 1;
     for (; 2 * span <= 2 * radius + 1; span *= 2) {
-      const [shorter, reach] = [ahead, span];
-      ahead = shorter.map((level, at) => (placeOf(at) + reach < length ? Math.max(level, shorter[at + reach * step]) : level));
+      const longer = ahead.slice();
+      for (let line = 0; line < lines; line++) {
+        for (let place = 0, at = line * between; place + span < length; place++, at += step) {
+          const other = ahead[at + span * step];
+          if (other > longer[at]) longer[at] = other;
+        }
+      }
+      ahead = longer;
     }
-    found = before.map((_, at) => {
-      const place = placeOf(at);
-      const first = Math.max(place - radius, 0);
-      const last = Math.min(Math.max(place + radius + 1 - span, 0), length - 1);
-      return Math.max(ahead[at + (first - place) * step], ahead[at + (last - place) * step]);
-    });
+    const out = new Uint8Array(levels.length);
+    for (let line = 0; line < lines; line++) {
+      const start = line * between;
+      for (let place = 0; place < length; place++) {
+        const first = ahead[start + Math.max(place - radius, 0) * step];
+        const last = ahead[start + Math.min(Math.max(place + radius + 1 - span, 0), length - 1) * step];
+        out[start + place * step] = first > last ? first : last;
+      }
+    }
+    found = out;
   }
   return found;
 }
@@ -63,11 +71,9 @@ function quantiles(values, shares) {
 
 /**
  * Returns whether lines are lighter than the paper: most of what lies close to a line is paper.
- * @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius
+ * @param {Uint8Array} levels @param {Uint8Array} high the largest within a distance @param {Uint8Array} low the smallest
  */
-function isLightOnDark(levels, width, height, radius) {
-  const high = largest(levels, width, height, radius);
-  const low = turned(largest(turned(levels), width, height, radius));
+function isLightOnDark(levels, high, low) {
   let [near, dark] = [0, 0];
   for (let i = 0; i < levels.length; i++) {
     if (high[i] - low[i] <= CONTRAST) continue;
@@ -89,8 +95,10 @@ export function linesIn({ channels, bytes }, width, height) {
     return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
   });
   const radius = radiusOf(width, height);
-  const levels = isLightOnDark(seen, width, height, radius) ? turned(seen) : seen;
-  const paper = paperUnder(levels, width, height, radius);
+  const [high, low] = [largest(seen, width, height, radius), turned(largest(turned(seen), width, height, radius))];
+  const light = isLightOnDark(seen, high, low);
+  const levels = light ? turned(seen) : seen;
+  const paper = turned(largest(light ? low : turned(high), width, height, radius));
   // A shadow darkens paper and ink by the same factor.
   const darkness = Float32Array.from(levels, (level, i) => 1 - (level + 1) / (paper[i] + 1));
   const [darkest] = quantiles(darkness, [1 - DARKEST]);
