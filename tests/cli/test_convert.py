@@ -113,6 +113,10 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
         (["-o", "x.exr", "--to", "height"], "the height map x.exr must end in .png, .tif or .tiff"),
         (["-o", "x.png", "--from", "height"], "needs --scale"),
         (["-o", "x.png", "--to", "height", "--bits", "16"], "--bits applies to an output normal map"),
+        (
+            ["-o", "x.tiff", "--to", "height", "--scale", "4"],
+            "--scale applies to a PNG; x.tiff holds heights",
+        ),
         (["-o", "x.png", "--scale", "4"], "--scale applies to a height map; add --from height"),
         (["-o", "x.png", "--detail-y", "down"], "--detail-y applies to the details; add --detail."),
         (["-o", "hill.png"], "hill.png is an input and would be overwritten"),
@@ -130,6 +134,18 @@ def test_inputs_that_cannot_be_converted_are_one_sentence(
     assert main(["convert", "hill.png", *more]) == 2
     assert sentence in capsys.readouterr().err
     assert [path.name for path in hill.parent.iterdir()] == ["hill.png"]
+
+
+def test_the_map_of_details_is_not_overwritten(
+    hill: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(hill.parent)
+    skin = hill.with_name("skin.png")
+    write_bytes(skin, encode_png(NORMALS))
+    before = skin.read_bytes()
+    assert main(["convert", "hill.png", "--detail", "skin.png", "-o", str(skin)]) == 2
+    assert "skin.png is an input and would be overwritten" in capsys.readouterr().err
+    assert skin.read_bytes() == before
 
 
 @pytest.mark.parametrize(

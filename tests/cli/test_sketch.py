@@ -103,6 +103,10 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
         (["none.obj"], "none.obj is not a file, a folder or a pattern"),
         (["horse", "-o", "a.jpg"], "the drawing a.jpg must be a .svg or a .png."),
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),
+        (
+            ["horse", "-o", "a.png", "--normal", "a.png"],
+            "a.png would be written twice; give --normal another",
+        ),
         (["horse", "--medium.noise", "0.1"], "a medium needs pixels; write sketch.svg as .png"),
         (["horse", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["horse", "--hand.strenth", "1"], "no setting 'strenth' in it. Did you mean strength?"),
@@ -125,6 +129,20 @@ def test_bad_input_is_one_sentence(
     assert sentence in said
     assert len(said.splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_must_hold_one_mesh(sphere: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = str(tmp_path / "out.svg")
+    assert main(["sketch", str(tmp_path), "-o", out, "--size", "64"]) == 0
+    Path(sphere).with_name("apple.ply").write_bytes(Path(sphere).read_bytes())
+    assert main(["sketch", str(tmp_path), "-o", out, "--size", "64"]) == 2
+    one = tmp_path / "apple.ply"
+    assert f"{tmp_path} holds 2 meshes; name one, such as {one}." in capsys.readouterr().err
+
+
+def test_only_gltf_has_clips(sphere: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sketch", sphere, "--clip", "walk"]) == 2
+    assert f"{sphere} has no clips; give a rigged glTF file." in capsys.readouterr().err
 
 
 def test_help_ends_well(capsys: pytest.CaptureFixture[str]) -> None:

@@ -36,6 +36,7 @@ def test_a_user_may_name_a_folder_a_pattern_a_file_or_several(tmp_path: Path) ->
 def test_sources_that_hold_no_mesh_or_two_of_one_name_are_refused(tmp_path: Path) -> None:
     sources: list[tuple[str | list[str], str]] = [
         (str(tmp_path), "the folder .* has no mesh; files in .off .obj"),
+        ("", "a mesh has an empty name; name a file or a folder"),
         (str(tmp_path / "gone"), "gone is not a file, a folder or a pattern that matches"),
         (str(tmp_path / "*.off"), "a pattern that matches a mesh file"),
         ([], "the list of meshes is empty"),

@@ -28,7 +28,8 @@ def run(arguments: list[str]) -> int:
     output = Path(settings.output)
     if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
-    if output.resolve() == Path(settings.map).resolve():
+    read = [settings.map, *([settings.detail] if settings.detail else [])]
+    if output.resolve() in [Path(each).resolve() for each in read]:
         raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
     if settings["from"] == "height":
         found = map_of_heights(settings.map, settings.scale)
@@ -42,6 +43,8 @@ def run(arguments: list[str]) -> int:
             form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
             if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
                 raise InputError(f"the height map {output} must end in .png, .tif or .tiff.")
+            if form == "tiff" and settings.scale is not None and settings["from"] == "normal":
+                raise InputError(f"--scale applies to a PNG; {output} holds heights in pixels.")
             height = Height(form, settings.scale if form == "png" else None)
             write_bytes(output, height.encode(found)[height.endings[0]])
         else:

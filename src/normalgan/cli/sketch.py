@@ -167,7 +167,7 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
             raise InputError("a time needs a clip; name one with --clip.")
         mesh = source.load()
         return mesh, mesh.vertices
-    if not isinstance(source, MeshFile):
+    if not isinstance(source, MeshFile) or Path(source.path).suffix.lower() not in {".glb", ".gltf"}:
         raise InputError(f"{settings.mesh} has no clips; give a rigged glTF file.")
     from normalgan.rendering.rigs import ClipMeshes  # imports scipy, which takes half a second
 
@@ -183,7 +183,7 @@ def _find_source(name: str, orientation: str | None = None, crease_angle: float 
     """Return the mesh file with this name or, if there is none, the embedded animal.
 
     Raises:
-        InputError: if the name is neither.
+        InputError: if the name is neither, or matches several files.
     """
     animal = re.fullmatch(r"([a-z_]+)(?:-(\d{1,9}))?", name)
     if animal and not Path(name).exists():
@@ -193,7 +193,10 @@ def _find_source(name: str, orientation: str | None = None, crease_angle: float 
                 f"animal.{did_you_mean(animal[1], SPECIES)} The animals: {', '.join(SPECIES)}."
             )
         return Animal(animal[1], int(animal[2] or 0))
-    return find_meshes([name], orientation, crease_angle)[0]
+    found = find_meshes([name], orientation, crease_angle)
+    if len(found) > 1:
+        raise InputError(f"{name} holds {len(found)} meshes; name one, such as {found[0].path}.")
+    return found[0]
 
 
 def _check(settings: Namespace) -> str:
@@ -207,7 +210,8 @@ def _check(settings: Namespace) -> str:
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:
             raise InputError(f"{path} is an input and would be overwritten; give another name.")
-        read.append(Path(path).resolve())  # so that the next output cannot be the same file
+    if settings.normal is not None and Path(settings.normal).resolve() == Path(settings.output).resolve():
+        raise InputError(f"{settings.output} would be written twice; give --normal another name.")
     if kind == ".svg" and settings.medium is not None:
         raise InputError(f"a medium needs pixels; write {settings.output} as .png, or omit the medium.")
     return kind

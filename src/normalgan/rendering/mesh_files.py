@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import dataclass
-from glob import glob
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -12,6 +11,7 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
+from normalgan.files.globs import matches
 from normalgan.files.json_files import read_json
 from normalgan.files.shipped_configs import find_beside
 from normalgan.ranges import Range, check_ranges
@@ -149,10 +149,12 @@ def find_meshes(
 
 def _paths(source: str) -> list[Path]:
     """Return the mesh files of one folder, file or glob."""
+    if not source:
+        raise InputError("a mesh has an empty name; name a file or a folder, such as '.'.")
     place = Path(source).expanduser()
     if place.is_file():
         return [place]
-    where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
+    where = place.iterdir() if place.is_dir() else matches(str(place))
     # On foreign file systems, macOS writes a file ._NAME next to each file.
     found = [
         path

@@ -144,6 +144,8 @@ def _outputs(settings: Namespace) -> Outputs:
     Raises:
         InputError: if the settings contradict each other.
     """
+    if not settings.output:
+        raise InputError("-o is empty; name a folder, such as '.', or a file.")
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format
     try:

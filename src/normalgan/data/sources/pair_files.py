@@ -7,7 +7,7 @@ import json
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from glob import glob, has_magic
+from glob import has_magic
 from os.path import commonpath
 from pathlib import Path
 from typing import Literal
@@ -20,6 +20,7 @@ from normalgan.arrays import BoolMask
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
+from normalgan.files.globs import matches
 from normalgan.files.limits import read_named
 from normalgan.inference.inputs import AnyPicture, as_picture
 from normalgan.inference.reading.drawings import is_drawing, read_normals, read_pixels
@@ -187,9 +188,8 @@ def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles 
             )
         sketches, root = [path], path.parent
     else:
-        found = [Path(each) for each in glob(entry, recursive=True)]
         sketches = sorted(
-            each for each in found if each.is_file() and is_drawing(each) and not _is_partner(each)
+            each for each in matches(entry) if each.is_file() and is_drawing(each) and not _is_partner(each)
         )
         root = Path(commonpath([each.parent for each in sketches])) if sketches else Path()
     if not sketches:

@@ -3,10 +3,10 @@
 import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from glob import glob
 from pathlib import Path
 
 from normalgan.errors import InputError
+from normalgan.files.globs import matches
 from normalgan.inference.reading.drawings import SUFFIXES, is_drawing, without_companions
 
 
@@ -58,6 +58,9 @@ def search(
     found: dict[Path, Path] = {}
     errors = []
     for word in words:
+        if not word:  # a shell's empty variable, and no wish for every drawing of the current folder
+            errors.append(InputError("a sketch has an empty name; name a file or a folder, such as '.'."))
+            continue
         place = Path(word)
         broken: list[Path] = []
         if place.is_file():
@@ -69,10 +72,10 @@ def search(
             kept = without_companions(sorted(drawings), companions)
             here = {path: path.parent.relative_to(place) for path in kept}
         else:
-            every = [Path(match) for match in sorted(glob(word, recursive=True))]
+            every = matches(word)
             broken = [path for path in {place: place, **dict.fromkeys(every)} if _is_broken(path)]
-            matches = [path for path in every if path.is_file() and not path.name.startswith("._")]
-            here = dict.fromkeys(without_companions(matches, companions), Path())
+            files = [path for path in every if path.is_file() and not path.name.startswith("._")]
+            here = dict.fromkeys(without_companions(files, companions), Path())
         errors += [
             InputError(f"{path} is a link to {path.readlink()}, which does not exist.") for path in broken
         ]
