@@ -136,6 +136,15 @@ def test_inputs_that_cannot_be_converted_are_one_sentence(
     assert [path.name for path in hill.parent.iterdir()] == ["hill.png"]
 
 
+def test_a_map_may_begin_with_a_dash(hill: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(hill.parent)
+    dashed = hill.rename("-hill.png")
+    assert main(["convert", dashed.name, "-o", "a.png", "--bits", "16"]) == 0
+    assert main(["convert", "-o", "b.png", "--", dashed.name]) == 0
+    assert off(Path("a.png"), NORMALS) < 0.7
+    assert off(Path("b.png"), NORMALS) < 0.7
+
+
 def test_the_map_of_details_is_not_overwritten(
     hill: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

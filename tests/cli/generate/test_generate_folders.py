@@ -250,7 +250,8 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
         (["fox.png", "-o", "z.exr", "--format", "png"], "z.exr is not png; name a file of that kind"),
         (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png is a still image."),
         (["fox.png", "-o", "fox.png"], "fox.png is an input and would be overwritten"),
-        (["fox.png", "-o", ""], "-o is empty; name a folder, such as '.', or a file."),
+        (["fox.png", "-o", ""], "--output is empty; name a file or a folder, such as '.'."),
+        (["fox.png", "--mask", ""], "--mask is empty; name a file or a folder, such as '.'."),
     ):
         capsys.readouterr()
         assert generate(*arguments) == 2

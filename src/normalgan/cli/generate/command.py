@@ -10,7 +10,7 @@ from jsonargparse import Namespace
 
 from normalgan import decoding
 from normalgan.cli.generate.batch import DrawingBatch, Found, may_be_mixed
-from normalgan.cli.generate.options import as_shell_means, build_parser, engine_of
+from normalgan.cli.generate.options import build_parser, engine_of
 from normalgan.errors import InputError, tell
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.jobs.clashes import without_clashes, without_twins
@@ -42,8 +42,10 @@ def run(arguments: list[str]) -> int:
         InputError: if a setting or the only drawing is invalid.
     """
     parser = build_parser(engine_of(arguments))
-    options = [option for action in parser._actions for option in action.option_strings]
-    settings = parser.parse_args(as_shell_means(arguments, options))
+    settings = parser.parse_args(arguments)
+    for option in ("output", "mask", "hints", "atlas", "tileset", "explain"):
+        if settings[option] == "":  # it would stand for the current folder
+            raise InputError(f"--{option} is empty; name a file or a folder, such as '.'.")
     decoding.start()  # starts up while the model is loaded
     packing = _packing(settings)
     _check_explained(settings, packing)
@@ -144,8 +146,6 @@ def _outputs(settings: Namespace) -> Outputs:
     Raises:
         InputError: if the settings contradict each other.
     """
-    if not settings.output:
-        raise InputError("-o is empty; name a folder, such as '.', or a file.")
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format
     try:

@@ -1,7 +1,6 @@
 """Options of normalgan generate."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Literal
 
 from jsonargparse.typing import ClosedUnitInterval
@@ -180,24 +179,3 @@ def _add_sheets(parser: LightParser) -> None:
         "same square for all, so that still parts do not flicker; the default is shared for animations, "
         "otherwise own",
     )
-
-
-def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
-    """Return arguments changed so that file names that start with a dash are not parsed as options.
-
-    Everything after ``--`` is a file name. Before it, an argument that names an existing file and is not an
-    option is a file name.
-
-    Args:
-        arguments: arguments from the shell.
-        options: options that the parser knows.
-    """
-    out: list[str] = []
-    for i, each in enumerate(arguments):
-        if each == "--":
-            return out + [
-                f"./{one}" if one.startswith("-") and one != "-" else one for one in arguments[i + 1 :]
-            ]
-        file = each.startswith("-") and each != "-" and each not in options and Path(each).is_file()
-        out.append(f"./{each}" if file else each)
-    return out

@@ -3,7 +3,7 @@
 import argparse
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, NoReturn, Union, get_args, get_origin
@@ -89,6 +89,12 @@ class LightParser(OwnDefaultsParser):
         # jsonargparse's own formatter would add the Python type of each option.
         super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
 
+    def parse_args(self, args: Sequence[str] | None = None, *given: Any, **how: Any) -> Any:  # type: ignore[override]  # argparse overloads it
+        """Return the settings of a command line, whose file names may start with a dash."""
+        options = [option for action in self._actions for option in action.option_strings]
+        words = _as_shell_means(sys.argv[1:] if args is None else args, options)
+        return super().parse_args(words, *given, **how)
+
     def _plugins(self) -> Mapping[str, Registry[Any]]:
         return self.plugins
 
@@ -99,6 +105,27 @@ class LightParser(OwnDefaultsParser):
             for action in self._actions
         }
         return {setting: names[0] for setting, names in long.items() if names}
+
+
+def _as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
+    """Return arguments changed so that file names that start with a dash are not parsed as options.
+
+    Everything after ``--`` is a file name. Before it, an argument that names an existing file and is not an
+    option is a file name.
+
+    Args:
+        arguments: arguments from the shell.
+        options: options that the parser knows.
+    """
+    out: list[str] = []
+    for i, each in enumerate(arguments):
+        if each == "--":
+            return out + [
+                f"./{one}" if one.startswith("-") and one != "-" else one for one in arguments[i + 1 :]
+            ]
+        file = each.startswith("-") and each != "-" and each not in options and Path(each).is_file()
+        out.append(f"./{each}" if file else each)
+    return out
 
 
 def choices(kind: Any) -> str | None:
