@@ -74,8 +74,9 @@ def test_green_down_and_a_mask(node: Any) -> None:
 
 def test_an_image_with_alpha_has_its_opacity_as_mask(node: Any) -> None:
     _, image = fox()
-    alpha = torch.zeros(1, *image.shape[1:3], 1)
-    alpha[:, 60:200, 60:200] = 1
+    rows, columns = torch.meshgrid(*(torch.arange(side) for side in image.shape[1:3]), indexing="ij")
+    # A disc, because an opaque rectangle around lines is their paper.
+    alpha = (torch.hypot(rows - 130.0, columns - 130.0) < 70).float()[None, ..., None]
     ((_, where),) = [call(node, image=torch.cat([image, alpha], -1), green="up")]
     torch.testing.assert_close(where, alpha[..., 0])
 
