@@ -364,11 +364,12 @@ def test_an_svg_has_the_size_of_its_normal_map(tmp_path: Path) -> None:
     pair = PairFiles("a", tmp_path / "a.svg", tmp_path / "a0_normal.png").load()
     assert pair.sketch.shape == pair.mask.shape == (SIZE, SIZE)
     assert PairRecipe(32).render(pair, 0).sketch.max() > 200
-    big = np.zeros((3000, 3000, 3), np.float32)  # larger than what a picture is reduced to
-    big[..., 2] = 1
-    big[:9] = big[-9:] = 0
-    write_bytes(tmp_path / "big.png", encode_png(big))
-    assert PairFiles("a", tmp_path / "a.svg", tmp_path / "big.png").load().mask.shape == (3000, 3000)
+    (tmp_path / "long.svg").write_text(ring.replace("0 0 8 8", "0 0 300 8"))
+    long = np.zeros((80, 3000, 3), np.float32)  # longer than what a picture is reduced to
+    long[..., 2] = 1
+    long[:9] = long[-9:] = 0
+    write_bytes(tmp_path / "long.png", encode_png(long))
+    assert PairFiles("a", tmp_path / "long.svg", tmp_path / "long.png").load().mask.shape == (80, 3000)
 
 
 RING = '<circle cx="4" cy="4" r="2" fill="none" stroke="black" stroke-width=".2"/>'
