@@ -15,14 +15,8 @@ from normalgan.errors import InputError
 
 _OWN_DATA = (
     *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
-    *(
-        "data.on_the_fly",
-        "data.prediction",
-        "data.reading.variants",
-        "data.reading.variation",
-        "data.storage",
-        "data.workers",
-    ),
+    *("data.on_the_fly", "data.prediction", "data.reading.variants", "data.reading.variation"),
+    *("data.storage", "data.workers"),
 )
 """Data settings that may differ between rows; all others must be the same."""
 

@@ -113,23 +113,13 @@ def _check_axes(folder: Path, maps: Tensor, batch: Batch) -> None:
     own = [found[axis][axis] for axis in range(3)]
     # An untrained network has a correlation within 0.05 of zero, and one with the error of a constant normal
     # has 0.4.
-    for flipped, other, fault in (
-        (
-            1,
-            0,
-            "a flipped green channel: {0} agrees with the true normals ({1:.2f}) and {2} contradicts them "
-            "({3:.2f}); write green up, as in OpenGL",
-        ),
-        (
-            0,
-            1,
-            "a flipped red channel: {0} agrees with the true normals ({1:.2f}) and {2} contradicts them "
-            "({3:.2f}); write red to the right",
-        ),
-    ):
+    for flipped, other, advice in ((1, 0, "green up, as in OpenGL"), (0, 1, "red to the right")):
         if own[other] > 0.2 and own[flipped] < -0.2:
-            said = fault.format("xy"[other], own[other], "xy"[flipped], own[flipped])
-            raise InputError(f"the maps in {folder} seem to have {said}.")
+            raise InputError(
+                f"the maps in {folder} seem to have a flipped {_CHANNELS[flipped]} channel: {'xy'[other]} "
+                f"agrees with the true normals (correlation {own[other]:.2f}) and {'xy'[flipped]} "
+                f"contradicts them ({own[flipped]:.2f}); write {advice}."
+            )
     for one, other in combinations(range(3), 2):
         crossed = min(found[one][other], found[other][one])
         clear = crossed > 0.1 and max(found[one][other], found[other][one]) > 0.2  # z varies little

@@ -59,7 +59,7 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         f"{plugin.__name__}({parameter})"
         for registry in REGISTRIES.values()
         for plugin in registry
-        for parameter in _own_kind(plugin)
+        for parameter in _nested_in(plugin)
     ]
     if nested:
         raise InputError(
@@ -73,26 +73,26 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     for name, module in OTHERS.items():
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())
-    set_parsing_settings(subclasses_disabled=[_any_module])
+    set_parsing_settings(subclasses_disabled=[_is_any_module])
     try:
         script: str = whole.get_completion_script(f"shtab-{shell}")
     finally:
-        set_parsing_settings(subclasses_enabled=[_any_module.__name__])
+        set_parsing_settings(subclasses_enabled=[_is_any_module.__name__])
     # jsonargparse completes full import paths, but users type class names.
     names = "|".join(name for registry in REGISTRIES.values() for name in registry.names())
     return re.sub(rf"\b(?:\w+\.)+({names})\b", r"\1", script)
 
 
-def _own_kind(plugin: type) -> list[str]:
+def _nested_in(plugin: type) -> list[str]:
     """Return the parameters of a class that must be instances of a class that it derives from."""
     try:
         parameters = inspect.signature(plugin, eval_str=True).parameters.values()
     except NameError:  # a type that is imported for type checkers alone
         return []
     kinds = {given.name: given.annotation for given in parameters if isinstance(given.annotation, type)}
-    return [name for name, kind in kinds.items() if issubclass(plugin, kind) and not _any_module(kind)]
+    return [name for name, kind in kinds.items() if issubclass(plugin, kind) and not _is_any_module(kind)]
 
 
-def _any_module(cls: type) -> bool:
+def _is_any_module(cls: type) -> bool:
     """Return whether a parameter takes all of torch's modules, whose settings, and theirs, are not listed."""
     return f"{cls.__module__}.{cls.__qualname__}" == "torch.nn.modules.module.Module"

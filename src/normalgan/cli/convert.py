@@ -28,8 +28,7 @@ def run(arguments: list[str]) -> int:
     output = Path(settings.output)
     if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
-    read = [settings.map, *([settings.detail] if settings.detail else [])]
-    if output.resolve() in [Path(each).resolve() for each in read]:
+    if output.resolve() in [Path(each).resolve() for each in (settings.map, settings.detail) if each]:
         raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
     if settings["from"] == "height":
         found = map_of_heights(settings.map, settings.scale)

@@ -19,6 +19,7 @@ from normalgan.normals import encode_grey, encode_png, paint_flat
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.cameras import framed, look_at_origin
+from normalgan.rendering.gltf import container
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
 from normalgan.rendering.loading import SUFFIXES
@@ -167,7 +168,7 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
             raise InputError("a time needs a clip; name one with --clip.")
         mesh = source.load()
         return mesh, mesh.vertices
-    if not isinstance(source, MeshFile) or Path(source.path).suffix.lower() not in {".glb", ".gltf"}:
+    if not isinstance(source, MeshFile) or Path(source.path).suffix.lower() not in container.SUFFIXES:
         raise InputError(f"{settings.mesh} has no clips; give a rigged glTF file.")
     from normalgan.rendering.rigs import ClipMeshes  # imports scipy, which takes half a second
 

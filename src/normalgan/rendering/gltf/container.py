@@ -33,7 +33,8 @@ _MOST_PARTS = 5_000
 _MOST_REUSES = 4
 """Maximum number of times that accessors use the bytes of a file; nearly all exporters use them once."""
 
-_SUFFIXES = (".glb", ".gltf")
+SUFFIXES = (".glb", ".gltf")
+"""File extensions of glTF, in lower case."""
 _SUPPORTED = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
 _LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "EXT_lights_", "MSFT_")
 """Supported required extensions, and prefixes of those that do not affect surfaces; others are refused."""
@@ -88,7 +89,7 @@ def refusing_bad_gltf(path: Path) -> Iterator[None]:
 
 def has_skin(path: Path) -> bool:
     """Return whether a file is glTF with a skin; False for a damaged file."""
-    if path.suffix.lower() not in _SUFFIXES:
+    if path.suffix.lower() not in SUFFIXES:
         return False
     try:
         return bool(_tree(path)[0].get("skins"))
