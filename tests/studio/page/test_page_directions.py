@@ -170,6 +170,35 @@ def test_the_brush_is_soft_and_strong_as_its_sliders_and_keys_say_and_smooths(st
     assert page.locator("#brush-strength").input_value() == "100"
 
 
+def test_a_click_makes_the_area_between_lines_a_region_and_selects_it_again(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((MIDDLE - RADIUS, MIDDLE), (MIDDLE + RADIUS, MIDDLE))
+    page.keyboard.press("r")
+    for at in ((MIDDLE, MIDDLE - 20), (MIDDLE + 40, MIDDLE - 10), (MIDDLE - 40, MIDDLE - 30)):
+        page.mouse.click(*studio.on_board(*at))
+        page.locator("#point").wait_for()
+        assert page.locator("#form-of").inner_text() == "Region 1"
+        page.keyboard.press("Escape")
+    below = studio.shown(MIDDLE - 40, MIDDLE + 20)
+    page.mouse.click(*studio.on_board(MIDDLE, MIDDLE - 20))
+    with studio.repainting():
+        page.locator("#form-choose").click()
+        page.locator("#form-flat").click()
+    flat = studio.shown(MIDDLE - 40, MIDDLE - 20), studio.shown(MIDDLE + 30, MIDDLE - 30)
+    assert degrees(*flat) < 2
+    assert degrees(studio.shown(MIDDLE - 40, MIDDLE + 20), below) < 3
+    stored = studio.wait_for_store(lambda each: bool(each["doc"]["layers"][0]["areas"]))
+    (area,) = stored["doc"]["layers"][0]["areas"]
+    x, y = np.reshape(area["points"], (-1, 2)).T
+    around = np.hypot(x - MIDDLE, y - MIDDLE)
+    # Around the outline, which is 6 pixels wide, and along the middle of the line to the area below.
+    assert np.all((np.abs(around - RADIUS - 3.5) < 2.5) | (np.abs(y - MIDDLE) < 4))
+    page.keyboard.press("Escape")
+    with studio.saying("open to the paper's edge"):
+        page.mouse.click(*studio.on_board(6, 6))
+
+
 def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: Studio) -> None:
     page = studio.page
     page.keyboard.press("r")

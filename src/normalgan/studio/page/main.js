@@ -81,7 +81,10 @@ const pins = new HintTool(editor, () => predictor.painted, announce);
 const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, () => predictor.painted, announce);
-for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
+for (const each of [board, overlay]) {
+  each.voteAt = (at) => mask.voteAt(at);
+  each.areaAt = (at) => areas.areaAt(at);
+}
 const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
 result.onFigures = (/** @type {import("./drawing/lasso.js").Lasso[]} */ outlines) => arranging.part(outlines);

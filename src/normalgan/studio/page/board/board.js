@@ -2,7 +2,7 @@
 
 import { clear, context2d } from "../drawing/canvas.js";
 import { Camera } from "./camera.js";
-import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawRings, drawSuggestions, drawVote } from "./marks.js";
+import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawRings, drawSuggestions, drawTint, drawVote } from "./marks.js";
 import { drawSelection } from "./selection_frame.js";
 import { Sheet } from "./sheet.js";
 
@@ -41,6 +41,8 @@ export class Board {
     this.pointer = null;
     /** Returns the enclosed area at a point, and whether it is object. @type {(at: Point) => import("../drawing/areas.js").Vote | null} */
     this.voteAt = () => null;
+    /** Returns the area between lines at a point. @type {(at: Point) => import("../drawing/areas.js").Area | null} */
+    this.areaAt = () => null;
     /** Whether points are shown. @type {() => boolean} */
     this.marked = () => true;
     /** Called after each redraw, to update floating elements. @type {() => void} */
@@ -107,6 +109,7 @@ export class Board {
     if (this.marked()) drawGuides(context, camera, editor);
     const over = this.cursor ?? this.pointer;
     if (editor.tool === "mask" && editor.fills && over) drawVote(context, camera, this.voteAt(over), over);
+    if (editor.tool === "region" && over) drawTint(context, camera, this.areaAt(over));
     drawMaskStroke(context, camera, editor);
     drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);

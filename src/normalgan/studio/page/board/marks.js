@@ -176,16 +176,26 @@ export function drawMaskStroke(context, camera, editor) {
 }
 
 /**
- * Tints the enclosed area that a click would flip, and labels it. An area that is open to the paper's edge has no tint.
+ * Tints an enclosed area. An area that is open to the paper's edge has no tint.
+ * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("../drawing/areas.js").Area | null} area
+ * @param {"object" | "hole"} tint
+ */
+export function drawTint(context, camera, area, tint = "object") {
+  if (!area || area.open) return;
+  context.save();
+  context.transform(...camera.transform());
+  context.drawImage(area.pictures[tint], 0, 0, camera.doc.width, camera.doc.height);
+  context.restore();
+}
+
+/**
+ * Tints the enclosed area that a click would flip, and labels it.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("../drawing/areas.js").Vote | null} vote
  * @param {{x: number, y: number}} at where the pointer is, in the drawing
  */
 export function drawVote(context, camera, vote, at) {
   if (!vote || vote.area.open) return;
-  context.save();
-  context.transform(...camera.transform());
-  context.drawImage(vote.area.pictures[vote.object ? "object" : "hole"], 0, 0, camera.doc.width, camera.doc.height);
-  context.restore();
+  drawTint(context, camera, vote.area, vote.object ? "object" : "hole");
   const words = vote.object ? text.isObject : text.isHole;
   const { x, y } = camera.toPane(at.x, at.y);
   context.font = "13px system-ui, sans-serif";

@@ -1,5 +1,6 @@
 /** Area tool: regions and the strokes of the direction brush. */
 
+import { Areas } from "../drawing/areas.js";
 import { MOST_AREAS, anchorOf, withArea, withStructures } from "../drawing/document.js";
 import { LIMITS } from "../drawing/limits.js";
 import { meanNormal, normalAt } from "../drawing/normal.js";
@@ -12,7 +13,10 @@ import { nearest } from "./marks.js";
 /** The normal of areas without a direction. @type {import("../drawing/document.js").Normal} */
 const FRONT = [0, 0, 1];
 
-/** Region and brush: a circled region is tilted rigidly; a brush stroke gets a direction, is smoothed, or gets a structure. */
+/**
+ * Region and brush: a region, which is circled or clicked between lines, is tilted rigidly; a brush stroke gets a direction, is
+ * smoothed, or gets a structure.
+ */
 export class AreaTool {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
@@ -23,6 +27,7 @@ export class AreaTool {
     this.editor = editor;
     this.map = map;
     this.announce = announce;
+    this.areas = new Areas();
     /** @type {number[] | null} */
     this.points = null;
     /** @type {number | undefined} */
@@ -66,7 +71,33 @@ export class AreaTool {
     if (pressed >= 0) this.editor.set({ area: pressed });
     if (!points) return;
     if (size) this.#brushed(points, size);
-    else if (points.length >= 6) this.#add({ points, normal: meanNormal(this.map(), points, this.editor.doc) });
+    else if (points.length >= 6) this.#region(points);
+    else this.#clicked({ x: points[0], y: points[1] });
+  }
+
+  /**
+   * Returns the area between lines that a click makes a region.
+   * @param {{x: number, y: number}} at
+   */
+  areaAt({ x, y }) {
+    const { doc, layer, outline } = this.editor;
+    return outline ? null : this.areas.at(doc, layer, x, y);
+  }
+
+  /** Makes the area at a click a region, or selects the region that it is. @param {{x: number, y: number}} at */
+  #clicked(at) {
+    const area = this.areaAt(at);
+    if (area?.open) this.announce(text.areaOpen, "warning");
+    if (!area || area.open) return;
+    const points = area.outline();
+    const there = this.editor.layer.areas.findIndex((each) => !each.size && String(each.points) === String(points));
+    if (there >= 0) this.editor.set({ area: there });
+    else this.#region(points);
+  }
+
+  /** @param {number[]} points */
+  #region(points) {
+    this.#add({ points, normal: meanNormal(this.map(), points, this.editor.doc) });
   }
 
   /** Finishes a brush stroke. @param {number[]} points @param {number} size */

@@ -57,7 +57,7 @@ export const text = {
   pen: "Pen",
   eraser: "Eraser",
   hint: "Points: set a direction",
-  region: "Region: tilt or shape what you circle",
+  region: "Region: tilt or shape what you click or circle",
   brush: "Brush: direction, smoothing, structure",
   brushSmooth: "Smooth: average the normals under the brush",
   brushStructure: "Structure brush: scales, fur, stone and the like",
@@ -217,7 +217,7 @@ export const text = {
 
   suggest: "Suggest points",
   points: "Points",
-  regionHelp: "Circle a part to tilt or shape it, or give the whole layer a form.",
+  regionHelp: "Click an area or circle a part to tilt or shape it, or give the whole layer a form.",
   form: "Form",
   formNone: "As predicted",
   formRound: "Round",
