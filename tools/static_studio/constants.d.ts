@@ -10,7 +10,7 @@ export const EXTENSION: Named<"SWEEPS">;
 export const FIGURES: Named<"ALIKE" | "LEAST" | "OWN_MIDDLE" | "ROOM">;
 export const FORMS: Named<"COARSE" | "DISH" | "OUTSIDE" | "SIDE" | "SWEEPS">;
 export const INK: Named<"LEAST">;
-export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN">;
+export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN" | "THINNEST">;
 export const NORMAL_MAP: Named<"PADDING">;
 export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;
 export const READER: Named<"DOUBT" | "FLAT" | "NARROWEST" | "ONE_TONE" | "PAPER" | "STRIDE" | "WINDOW"> & {

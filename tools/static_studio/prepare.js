@@ -21,7 +21,7 @@ import { brightness, inkAt, read } from "./reader.js";
  * @property {import("./result/findings.js").Finding[]} figures the finding about separate figures, if there are any
  */
 
-const { DRAWN_WIDTH, FINER, ROUGH, THIN } = LINE_WIDTH;
+const { DRAWN_WIDTH, FINER, ROUGH, THIN, THINNEST } = LINE_WIDTH;
 const MARGIN = 0.06;
 
 /** The drawing cannot be predicted. */
@@ -191,7 +191,7 @@ export function shown(ink, width, height, frame, widths) {
   const inked = new Uint8Array(part(whole, fine, fine, [left, top, right, bottom]));
   const depth = distance(inked, wide, high, true);
   const usual = lineWidth(inked, wide, high, depth);
-  const thick = areas(inked, wide, high, usual, depth, fine);
+  const thick = areas(inked, wide, high, usual, depth, fine, fine / frame.side);
   const lines = thick ? lineWidth(where(inked, (value, i) => value > 0 && !thick[i]), wide, high, depth) : usual;
   const known = lines >= widths[0] * FINER && lines <= widths[1] * FINER;
   if (known && !thick) return cut(ink, width, height, frame);
@@ -223,9 +223,10 @@ function isKnown(ink, width, height, frame, widths) {
 /**
  * Returns the parts too thick to be lines, or null if there are none.
  * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Float32Array} depth @param {number} side
+ * @param {number} drawn side of the drawing's pixels
  */
-function areas(inked, width, height, lines, depth, side) {
-  const thickest = Math.min(Math.max(1.5 * lines, THIN * side), 0.035 * side);
+function areas(inked, width, height, lines, depth, side, drawn) {
+  const thickest = Math.max(Math.min(Math.max(1.5 * lines, THIN * side), 0.035 * side), THINNEST * drawn);
   if (!depth.some((value) => value > thickest)) return null;
   const away = distance(where(depth, (value) => !(value > thickest)), width, height);
   const thick = where(inked, (value, i) => value > 0 && away[i] <= 1.2 * thickest);

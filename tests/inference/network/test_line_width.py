@@ -54,3 +54,12 @@ def test_a_black_shape_is_shown_as_its_outline_alone() -> None:
     near = cv2.dilate(edge.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     assert shown[~near].max() < 0.1
     assert cv2.dilate(shown, square)[edge].min() > 0.3
+
+
+@pytest.mark.parametrize("radius", [6, 8, 10])
+def test_the_lines_of_a_tiny_figure_are_lines_and_not_areas(radius: int) -> None:
+    y, x = np.mgrid[:230, :230] - 110.5
+    drawn = np.clip(1.5 - np.abs(np.hypot(x, y) - radius), 0, 1).astype(np.float32)  # two pixels wide
+    shown = render_model_input(drawn, Frame.around(drawn, 256), USUAL_WIDTHS)
+    lines, _ = cv2.connectedComponents((shown > 0.3).astype(np.uint8), connectivity=8)
+    assert lines == 1 + 1  # the paper, and one line instead of an inner and an outer edge

@@ -15,6 +15,8 @@ _ROUGH = 2
 """Resolution of the quick test for lines that need no redrawing, as a multiple of the model's."""
 _THIN = 0.02
 """Minimum half width of an area, as a fraction of the model's side; thinner parts are lines."""
+_THINNEST = 1.75
+"""Minimum half width of an area in pixels of the drawing; in a figure of 20 pixels, each line is a tenth."""
 
 
 def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
@@ -36,7 +38,7 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     inked = whole[box]
     depth = depth_of(inked)
     width = _width(inked, depth)
-    thick = areas(inked, width, depth, frame.size * _FINER)
+    thick = areas(inked, width, depth, frame.size * _FINER, frame.size * _FINER / frame.side)
     if thick.any():
         width = _width(inked & ~thick, depth)
     kept, drawn_width = None, DRAWN_WIDTH * _FINER
@@ -92,7 +94,7 @@ def _width(inked: BoolMask, depth: Floats) -> float:
     return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
 
 
-def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
+def areas(inked: BoolMask, width: float, depth: Floats, side: int, drawn_pixel: float = 0.0) -> BoolMask:
     """Return the parts (H, W) of a drawing that are too thick to be lines.
 
     A connected patch that is mostly thick is an area including its thin parts, such as the legs of a
@@ -103,8 +105,10 @@ def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
         width: width of most lines in pixels.
         depth: (H, W), distance of each pixel from the edge of the ink.
         side: side of the whole picture in pixels.
+        drawn_pixel: side of the drawing's pixels in pixels of the picture, which may be enlarged.
     """
     thickest = min(max(1.5 * width, _THIN * side), 0.035 * side)  # maximum half width of a line
+    thickest = max(thickest, _THINNEST * drawn_pixel)
     core: BoolMask = depth > thickest
     if not core.any():
         return core
