@@ -119,6 +119,7 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
         ),
         (["-o", "x.png", "--scale", "4"], "--scale applies to a height map; add --from height"),
         (["-o", "x.png", "--detail-y", "down"], "--detail-y applies to the details; add --detail."),
+        (["-o", ""], "--output is empty; name a file"),
         (["-o", "hill.png"], "hill.png is an input and would be overwritten"),
         (["-o", "x.png", "--detail", "gone.png"], "there is no file gone.png"),
     ],

@@ -101,6 +101,7 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
         (["hors"], "hors is neither a mesh file (.glb, .gltf, .obj, .off, .ply, .stl) nor an embedded"),
         (["hrose"], "Did you mean horse?"),
         (["none.obj"], "none.obj is not a file, a folder or a pattern"),
+        (["horse", "-o", ""], "--output is empty; name a file"),
         (["horse", "-o", "a.jpg"], "the drawing a.jpg must be a .svg or a .png."),
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),
         (

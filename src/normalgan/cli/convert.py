@@ -5,7 +5,7 @@ from typing import Literal
 
 from jsonargparse import Namespace
 
-from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser, refuse_empty
 from normalgan.cli.parsing.number_types import Strength
 from normalgan.errors import InputError, printable, unwritable
 from normalgan.files.writing import write_bytes
@@ -25,6 +25,7 @@ def run(arguments: list[str]) -> int:
     parser = build_parser()
     settings = parser.parse_args(arguments)
     _check_together(settings, parser)
+    refuse_empty(settings, "output", "detail")
     output = Path(settings.output)
     if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
 from normalgan.cli.parsing.errors import refusal
-from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser, refuse_empty
 from normalgan.cli.parsing.number_types import Degrees, Margin, Side
 from normalgan.errors import InputError, did_you_mean, printable, unwritable
 from normalgan.files.writing import write_bytes
@@ -202,6 +202,7 @@ def _find_source(name: str, orientation: str | None = None, crease_angle: float 
 
 def _check(settings: Namespace) -> str:
     """Return the suffix of the output file; raise `InputError` if the settings contradict each other."""
+    refuse_empty(settings, "output", "normal", "orientation")
     kind = Path(settings.output).suffix.lower()
     if kind not in {".svg", ".png"}:
         raise InputError(f"the drawing {settings.output} must be a .svg or a .png.")

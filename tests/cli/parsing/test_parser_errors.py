@@ -50,6 +50,7 @@ def test_a_wrong_item_of_a_list_is_one_sentence(message: str, sentence: str) -> 
     ("message", "sentence"),
     [
         ("unrecognized arguments: b.png", "unexpected argument b.png."),
+        ("unrecognized arguments: my horse.obj", "unexpected argument my horse.obj."),
         ("argument --alpha: ignored explicit argument '3'", "--alpha takes no value, not 3."),
         (
             "argument shell: invalid choice: 'fish' (choose from 'bash', 'zsh')",

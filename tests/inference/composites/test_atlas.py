@@ -194,6 +194,7 @@ def test_sprites_without_pixels_or_outside_the_sheet_do_not_cost_the_others(tmp_
     [
         ("", "is empty"),
         ("{", "is broken JSON: line 1, column 2"),
+        ('[gd_resource type="AtlasTexture"]', "is a Godot resource"),
         ('{"a": 1}', "looks like JSON without a list of sprites"),
         ('{"tilewidth": 16, "layers": []}', "is a Tiled map or tileset"),
         ('{"skeleton": {"hash": ""}, "bones": []}', "is a Spine skeleton; name its .atlas"),

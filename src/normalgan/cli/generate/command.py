@@ -11,6 +11,7 @@ from jsonargparse import Namespace
 from normalgan import decoding
 from normalgan.cli.generate.batch import DrawingBatch, Found, may_be_mixed
 from normalgan.cli.generate.options import build_parser, engine_of
+from normalgan.cli.parsing.light_parser import refuse_empty
 from normalgan.errors import InputError, tell
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.jobs.clashes import without_clashes, without_twins
@@ -43,9 +44,7 @@ def run(arguments: list[str]) -> int:
     """
     parser = build_parser(engine_of(arguments))
     settings = parser.parse_args(arguments)
-    for option in ("output", "mask", "hints", "atlas", "tileset", "explain"):
-        if settings[option] == "":  # it would stand for the current folder
-            raise InputError(f"--{option} is empty; name a file or a folder, such as '.'.")
+    refuse_empty(settings, "output", "mask", "hints", "atlas", "tileset", "explain")
     decoding.start()  # starts up while the model is loaded
     packing = _packing(settings)
     _check_explained(settings, packing)

@@ -115,9 +115,10 @@ def _bad_name(message: str, settings: Sequence[str], options: Mapping[str, str] 
     found = re.match(kinds + r" '?(?:--)?([^\s'=]+)", message)
     if found is None:
         return ""
-    given = message.removeprefix("unrecognized arguments: ").split()[0]
+    rest = message.removeprefix("unrecognized arguments: ")
+    given = rest.split()[0]
     if options and not given.startswith("-"):
-        return f"unexpected argument {given}."
+        return f"unexpected argument {rest}."  # names may have spaces, and argparse joins all with spaces
     if options:
         name = given.partition("=")[0]
         return f"there is no option {name}.{did_you_mean(name, options.values())}"

@@ -128,6 +128,13 @@ def _as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[st
     return out
 
 
+def refuse_empty(settings: Namespace, *options: str) -> None:
+    """Raise `InputError` if an option for a file is empty, because it would stand for the current folder."""
+    for option in options:
+        if settings[option] == "":
+            raise InputError(f"--{option} is empty; name a file or a folder, such as '.'.")
+
+
 def choices(kind: Any) -> str | None:
     """Return the choices of an option for ``--help``; None if the option also takes other values.
 

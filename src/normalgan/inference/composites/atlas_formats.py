@@ -144,7 +144,7 @@ def _quarters(rotated: Any, clockwise: bool = True) -> int:
 
 def _json(text: str) -> list[Page] | None:
     """Parse TexturePacker's JSON (hash, array or multi-pack) and similar formats."""
-    if not text.lstrip().startswith(("{", "[")):
+    if not text.lstrip().startswith(("{", "[")) or re.match(r"\s*\[gd_", text):
         return None
     try:
         content = json.loads(text)
