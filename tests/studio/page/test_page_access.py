@@ -359,7 +359,7 @@ def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
         assert min(drawing["height"], result["height"]) > 240
         assert drawing["y"] + drawing["height"] <= height
         tools = page.locator("#tools > :not(.sheet):visible, #more-tools > :visible")
-        assert tools.count() == 11
+        assert tools.count() == 12
         for tool in tools.all():
             box = tool.bounding_box()
             assert box is not None

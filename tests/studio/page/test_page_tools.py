@@ -360,3 +360,47 @@ def test_an_imported_picture_is_turned(studio: Studio, tmp_path: Path) -> None:
     for (x, y), red in (((MIDDLE, 20), True), ((20, MIDDLE + 60), False)):
         column, row = map(round, studio.on_board(x, y))
         assert (studio.screen()[row, column][1] < 100) == red
+
+
+def test_a_click_fills_the_area_between_lines_and_the_map_stays(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle()
+    with studio.repainting():
+        studio.circle(MIDDLE - 30, MIDDLE, 20)
+    maps = studio.predicted()
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#ff8800")
+    page.mouse.click(*studio.on_board(MIDDLE + 40, MIDDLE))
+
+    def colour(x: float, y: float) -> list[int]:
+        column, row = studio.on_board(x, y)
+        page.mouse.move(2, 2)
+        return [int(each) for each in studio.screen()[round(row), round(column)]]
+
+    assert colour(MIDDLE + 40, MIDDLE) == [255, 136, 0]
+    assert colour(MIDDLE - 30, MIDDLE) == [255, 255, 255]  # another area
+    assert studio.inked(MIDDLE, MIDDLE - 80)  # the line lies above
+    page.locator("#view-lit").click()
+    page.locator("#material-colours").click()
+    page.locator("#fill-colour").fill("#0044ff")
+    page.mouse.click(*studio.on_board(MIDDLE + 40, MIDDLE))
+    column, row = studio.on_result(MIDDLE + 40, MIDDLE)
+    studio.until(
+        lambda: studio.screen()[round(row), round(column)].astype(int), lambda lit: lit[2] > lit[0] + 60
+    )
+    assert studio.predicted() == maps
+    page.keyboard.press("s")
+    studio.line((MIDDLE + 80, MIDDLE), (MIDDLE + 90, MIDDLE + 10), (MIDDLE + 100, MIDDLE))  # its line
+    page.keyboard.press("Escape")
+    assert colour(MIDDLE + 92, MIDDLE) == [0, 68, 255]  # moves with it
+    page.keyboard.press("Control+z")
+    page.keyboard.press("b")
+    page.mouse.click(*studio.on_board(MIDDLE + 40, MIDDLE))
+    assert colour(MIDDLE + 40, MIDDLE) == [255, 255, 255]  # the same colour again takes it away
+    page.keyboard.press("Control+z")
+    page.keyboard.press("e")
+    with studio.repainting():
+        studio.line((MIDDLE + 40, MIDDLE - 30), (MIDDLE + 40, MIDDLE + 30))
+    assert colour(MIDDLE + 40, MIDDLE) == [255, 255, 255]
+    assert colour(MIDDLE + 65, MIDDLE) == [0, 68, 255]

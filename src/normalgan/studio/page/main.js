@@ -9,6 +9,7 @@ import { Pointers } from "./board/pointer.js";
 import { AreaTool } from "./board/tool_area.js";
 import { HintTool } from "./board/tool_hint.js";
 import { LineTool } from "./board/tool_line.js";
+import { FillTool } from "./board/tool_fill.js";
 import { MaskTool } from "./board/tool_mask.js";
 import { SelectTool } from "./board/tool_select.js";
 import { LightTool } from "./board/tools.js";
@@ -81,16 +82,17 @@ const pins = new HintTool(editor, () => predictor.painted, announce);
 const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, () => predictor.painted, announce);
+const bucket = new FillTool(editor, announce);
 for (const each of [board, overlay]) {
   each.voteAt = (at) => mask.voteAt(at);
-  each.areaAt = (at) => areas.areaAt(at);
+  each.areaAt = (at) => (editor.tool === "fill" ? bucket : areas).areaAt(at);
 }
 const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
 result.onFigures = (/** @type {import("./drawing/lasso.js").Lasso[]} */ outlines) => arranging.part(outlines);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./board/tools.js").Tool | null>} */
-const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
+const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, fill: bucket, light: null, hand: null };
 const tool = () => {
   const chosen = tools[editor.tool];
   if (!chosen || editor.layer.visible) return chosen;
@@ -197,7 +199,7 @@ const clicks = {
   "zoom-in": () => zoom(1.25), "zoom-out": () => zoom(0.8), "zoom-fit": () => view.fit(),
 };
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
-const letters = { p: "pen", b: "pen", e: "eraser", s: "select", h: "hint", r: "region", d: "brush", m: "mask", l: "light", v: "hand" };
+const letters = { p: "pen", e: "eraser", s: "select", h: "hint", r: "region", d: "brush", m: "mask", b: "fill", l: "light", v: "hand" };
 followKeys({
   ...Object.fromEntries(Object.entries(letters).map(([key, tool]) => [key, () => editor.set({ tool, area: -1, suggestions: [] })])),
   ...Object.fromEntries(VIEWS.map((view, i) => [String(i + 1), () => result.show(view)])),

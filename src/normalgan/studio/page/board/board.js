@@ -109,7 +109,7 @@ export class Board {
     if (this.marked()) drawGuides(context, camera, editor);
     const over = this.cursor ?? this.pointer;
     if (editor.tool === "mask" && editor.fills && over) drawVote(context, camera, this.voteAt(over), over);
-    if (editor.tool === "region" && over) drawTint(context, camera, this.areaAt(over));
+    if (["region", "fill"].includes(editor.tool) && over) drawTint(context, camera, this.areaAt(over));
     drawMaskStroke(context, camera, editor);
     drawAreas(context, camera, editor);
     drawSuggestions(context, camera, editor);

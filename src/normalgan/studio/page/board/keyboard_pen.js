@@ -77,7 +77,7 @@ export class KeyboardPen {
     } else if (chosen) {
       chosen.down(this.#touch());
       // One press sets a point or fills an area, but a stroke lasts until the next press.
-      if (editor.tool === "hint" || (editor.tool === "mask" && editor.fills)) chosen.up();
+      if (["hint", "fill"].includes(editor.tool) || (editor.tool === "mask" && editor.fills)) chosen.up();
       else {
         this.#active = chosen;
         status.say(text.penDown);

@@ -1,6 +1,7 @@
 /** Sheet: the paper, pictures and ink of a pane, redrawn only where they changed. */
 
 import { clear, context2d } from "../drawing/canvas.js";
+import { hidesFills } from "../drawing/ink.js";
 import { invertedPaper } from "../drawing/paper_tone.js";
 import { decoded } from "../drawing/pictures.js";
 import { drawPicture } from "../drawing/strokes.js";
@@ -164,10 +165,16 @@ export class Sheet {
     context.clip();
     if (this.veil) context.drawImage(this.veil, 0, 0, doc.width, doc.height);
     // The paper of an imported drawing must not hide reference pictures.
-    if (doc.pictures.length || layers.length > 1 || !paper) context.globalCompositeOperation = "multiply";
+    const blended = doc.pictures.length > 0 || layers.length > 1 || !paper;
     if (lines) for (const layer of layers) {
       // Inactive layers are faded.
       context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
+      const fills = paper && this.inks.fillsOf(layer);
+      if (fills) {
+        context.globalCompositeOperation = "source-over";
+        context.drawImage(fills, 0, 0, doc.width, doc.height);
+      }
+      context.globalCompositeOperation = blended || (fills && hidesFills(layer.strokes)) ? "multiply" : "source-over";
       context.drawImage(paper ? this.inks.of(layer).canvas : this.#withoutPaper(layer, stale), 0, 0, doc.width, doc.height);
     }
     context.globalAlpha = 1;

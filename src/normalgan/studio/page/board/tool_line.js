@@ -72,7 +72,7 @@ export class LineTool {
     }
     this.#wait(touch);
     this.#add(this.smoother.move(touch));
-    this.editor.draw(this.inks.of(this.editor.layer).draw(this.line, false));
+    this.editor.draw(this.inks.draw(this.editor.layer, this.line, false));
   }
 
   up() {
@@ -90,7 +90,7 @@ export class LineTool {
       this.announce(text.shaped); // announced again, now that the stroke is finished
       return;
     }
-    editor.draw(this.inks.of(editor.layer).draw(line, true), true);
+    editor.draw(this.inks.draw(editor.layer, line, true), true);
     editor.commit(withStroke(editor.doc, line));
   }
 

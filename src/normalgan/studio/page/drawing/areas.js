@@ -2,7 +2,7 @@
 
 import { context2d } from "./canvas.js";
 import { inkAt } from "./ink.js";
-import { outlineOf } from "./outline.js";
+import { areaToFill, outlineOf } from "./outline.js";
 import { linesIn } from "./paper_tone.js";
 
 /** Longer side in pixels at which areas are searched while the pointer moves. */
@@ -11,7 +11,8 @@ const OBJECT = [91, 98, 224, 115];
 const HOLE = [208, 52, 44, 90];
 
 /** @typedef {{shows: (x: number, y: number) => boolean, open: boolean, pictures: Record<"object" | "hole", HTMLCanvasElement>,
- *   outline: () => number[]}} Area of the drawing; open: it reaches the paper's edge; pictures: its tint; outline: see `outlineOf` */
+ *   outline: () => number[], filling: () => import("./simplify.js").Point[]}} Area of the drawing; open: it reaches the paper's edge;
+ *   pictures: its tint; outline and filling: see `outlineOf` and `areaToFill` */
 /** @typedef {{area: Area, object: boolean}} Vote object: whether most of the area is */
 
 export class Areas {
@@ -54,7 +55,7 @@ export class Areas {
         stack.push(to);
       }
     }
-    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, pictures: { object: pictureOf(area, wide, high, OBJECT), hole: pictureOf(area, wide, high, HOLE) }, outline: () => outlineOf(area, lines, { width, height }) };
+    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, pictures: { object: pictureOf(area, wide, high, OBJECT), hole: pictureOf(area, wide, high, HOLE) }, outline: () => outlineOf(area, lines, { width, height }), filling: () => areaToFill(area, lines, { width, height }) };
     this.last = { lines, area, found };
     return found;
   }

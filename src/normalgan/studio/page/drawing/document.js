@@ -4,8 +4,9 @@ import { say, text } from "../text/text.js";
 import { LIMITS } from "./limits.js";
 
 /**
- * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number, carve?: number}} Line x, y,
- *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
+ * @typedef {{kind: "pen" | "eraser" | "fill", size: number, points: number[], colour?: string, mirror?: number, carve?: number}} Line x, y,
+ *   pressure, x, y, pressure, …; fill: the area inside the points, under all lines of its layer; only the page shows it, since a
+ *   map depends on lines alone; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
  *   mirrored, and drawn twice; carve: height as a fraction of half its width, negative if engraved
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
  *   before it is turned; turn: clockwise rotation about its centre, in radians; flipped: mirrored horizontally before that
@@ -209,16 +210,26 @@ export const possiblePeriod = (period) => Math.max(LIMITS.periods.least, Math.mi
 /** @param {Doc} doc @param {Partial<Settings>} settings @returns {Doc} */
 export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.settings, ...settings } });
 
+/** Returns all strokes but fills, which no map depends on. @param {Stroke[]} strokes */
+export const linesOf = (strokes) => strokes.filter(({ kind }) => kind !== "fill");
+
 /** Returns the visible layers that are not empty. @param {Doc} doc @returns {Layer[]} */
-export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && strokes.length > 0);
+export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && strokes.some(({ kind }) => kind !== "fill"));
+
+/** @param {Stroke[]} a @param {Stroke[]} b */
+function drawsAlike(a, b) {
+  if (a === b) return true;
+  const [from, to] = [linesOf(a), linesOf(b)];
+  return from.length === to.length && from.every((stroke, i) => stroke === to[i]);
+}
 
 /** Whether two documents give the same map. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
   if (a.width !== b.width || a.height !== b.height) return false;
   if (a.layers === b.layers) return true;
   const [from, to] = [drawnLayers(a), drawnLayers(b)];
-  return from.length === to.length && from.every((layer, i) =>
-    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask", "source", "form"]).every((part) => layer[part] === to[i][part]));
+  return from.length === to.length && from.every((layer, i) => drawsAlike(layer.strokes, to[i].strokes) &&
+    /** @type {const} */ (["id", "hints", "areas", "mask", "source", "form"]).every((part) => layer[part] === to[i][part]));
 }
 
 /** Returns all pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
@@ -237,7 +248,7 @@ const isPlaced = (value) =>
   [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && [undefined, true].includes(value.paper) && String(value.picture).startsWith("data:image/png;base64,");
 /** @type {Check} */
 const isLine = (value) =>
-  ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
+  ["pen", "eraser", "fill"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
   (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror)) &&
   (value.carve === undefined || (isNumber(value.carve) && Math.abs(value.carve) <= 1));

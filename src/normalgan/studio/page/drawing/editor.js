@@ -54,6 +54,8 @@ export class Editor extends EventTarget {
     this.smoothing = 0.4;
     /** Colour of the pen's lines. */
     this.colour = "#000000";
+    /** Colour of filled areas. */
+    this.fillColour = "#f0b880";
     /** Whether pen and eraser draw straight lines. */
     this.straight = false;
     /** Whether strokes are mirrored at the centre of the paper. */

@@ -1,6 +1,7 @@
 /** Ink: the strokes of each layer as pixels, finer than the drawing so that zooming stays crisp. */
 
 import { context2d } from "./canvas.js";
+import { linesOf } from "./document.js";
 import { decoded, hasHoles } from "./pictures.js";
 import { averaged } from "./pixels.js";
 import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
@@ -32,24 +33,38 @@ export function kindOf(strokes) {
   return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => !stroke.paper && hasHoles(stroke.picture)) };
 }
 
+/** Whether the paper of an imported picture would hide what is under it. @param {import("./document.js").Stroke[]} strokes */
+export function hidesFills(strokes) {
+  const { channels, onPaper } = kindOf(strokes);
+  return channels === 4 && onPaper;
+}
+
 /** @typedef {{width: number, height: number, strokes: import("./document.js").Stroke[]}} Drawn a layer's strokes, and the size of its paper */
+
+/** Returns a layer's fills and what erases them; nothing if there are no fills. @param {import("./document.js").Stroke[]} strokes */
+function fillsOf(strokes) {
+  const some = strokes.filter(({ kind }) => kind === "fill" || kind === "eraser");
+  return some.every(({ kind }) => kind === "eraser") ? [] : some;
+}
 
 /**
  * Draws strokes at another size than their own.
  * @param {Drawn} doc
  * @param {number} longest longer side in pixels
+ * @param {"lines" | "fills"} what
  * @returns {{canvas: HTMLCanvasElement, scale: number, pixels: () => {channels: 1 | 4, bytes: Uint8Array}}} the lines on
  *   nothing; and as the server takes them
  */
-export function inkAt(doc, longest) {
+export function inkAt(doc, longest, what = "lines") {
+  const strokes = what === "lines" ? linesOf(doc.strokes) : fillsOf(doc.strokes);
   const scale = longest / Math.max(doc.width, doc.height);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [Math.max(1, Math.round(doc.width * scale)), Math.max(1, Math.round(doc.height * scale))];
   const context = context2d(canvas, { willReadFrequently: true });
   context.scale(canvas.width / doc.width, canvas.height / doc.height);
   context.imageSmoothingQuality = "high";
-  for (const stroke of doc.strokes) drawStroke(context, stroke, decoded);
-  const { channels, onPaper } = kindOf(doc.strokes);
+  for (const stroke of strokes) drawStroke(context, stroke, decoded);
+  const { channels, onPaper } = kindOf(strokes);
   const pixels = () => ({ channels, bytes: averaged(context, [0, 0, canvas.width, canvas.height], 1, channels, onPaper) });
   return { canvas, scale, pixels };
 }
@@ -58,19 +73,24 @@ export function inkAt(doc, longest) {
  * Draws the lines of all visible layers at another size; each eraser only affects its own layer.
  * @param {import("./document.js").Doc} doc
  * @param {number} longest longer side in pixels
+ * @param {boolean} [filled] whether the filled areas are drawn too
  * @returns {HTMLCanvasElement} lines on nothing
  */
-export function linesAt(doc, longest) {
+export function linesAt(doc, longest, filled = false) {
   const { width, height } = doc;
   const layers = doc.layers.filter(({ visible }) => visible);
   const [first, ...others] = layers.map(({ strokes }) => inkAt({ width, height, strokes }, longest).canvas);
   if (!first) return inkAt({ width, height, strokes: [] }, longest).canvas;
   const context = context2d(first);
   context.setTransform(1, 0, 0, 1, 0, 0);
+  const fill = (/** @type {GlobalCompositeOperation} */ way, /** @type {import("./document.js").Stroke[]} */ strokes) => {
+    context.globalCompositeOperation = way;
+    if (filled) context.drawImage(inkAt({ width, height, strokes }, longest, "fills").canvas, 0, 0);
+  };
+  fill(hidesFills(layers[0].strokes) ? "multiply" : "destination-over", layers[0].strokes);
   for (const [i, canvas] of others.entries()) {
-    const { channels, onPaper } = kindOf(layers[i + 1].strokes);
-    // The paper of an imported picture would hide what is behind it.
-    context.globalCompositeOperation = channels === 4 && onPaper ? "multiply" : "source-over";
+    fill("source-over", layers[i + 1].strokes);
+    context.globalCompositeOperation = hidesFills(layers[i + 1].strokes) ? "multiply" : "source-over";
     context.drawImage(canvas, 0, 0);
   }
   return first;
@@ -192,6 +212,8 @@ export class Inks {
   constructor() {
     /** @type {Map<number, Ink>} by the layer's id */
     this.known = new Map();
+    /** @type {Map<number, Ink>} the areas of layers that have any, by the layer's id */
+    this.filled = new Map();
   }
 
   /** Whether a stroke is being drawn. */
@@ -206,9 +228,30 @@ export class Inks {
     return ink;
   }
 
+  /** Returns the filled areas of a layer, if it has any. @param {import("./document.js").Layer} layer */
+  fillsOf({ id }) {
+    return this.filled.get(id)?.canvas;
+  }
+
+  /**
+   * Draws the new part of the current stroke of a layer, see `Ink.draw`.
+   * @param {import("./document.js").Layer} layer @param {import("./document.js").Line} line @param {boolean} ended
+   */
+  draw(layer, line, ended) {
+    if (line.kind === "eraser") this.filled.get(layer.id)?.draw(line, ended);
+    return this.of(layer).draw(line, ended);
+  }
+
   /** Makes the pixels match a document. @param {import("./document.js").Doc} doc */
   sync({ width, height, layers }) {
-    for (const layer of layers) this.of(layer).sync({ width, height, strokes: layer.strokes });
+    const before = this.filled;
+    this.filled = new Map();
+    for (const layer of layers) {
+      this.of(layer).sync({ width, height, strokes: linesOf(layer.strokes) });
+      const strokes = fillsOf(layer.strokes);
+      if (strokes.length) this.filled.set(layer.id, before.get(layer.id) ?? new Ink());
+      this.filled.get(layer.id)?.sync({ width, height, strokes });
+    }
     const ids = new Set(layers.map(({ id }) => id));
     for (const id of this.known.keys()) if (!ids.has(id)) this.known.delete(id);
   }

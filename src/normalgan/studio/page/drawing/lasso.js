@@ -63,7 +63,7 @@ export function chosenBy({ strokes }, lasso) {
   const cuts = [];
   for (const [index, stroke] of strokes.entries()) {
     if (stroke.kind !== "picture") {
-      if (stroke.kind === "pen" && isMostlyInside(stroke, inside)) whole.push(index);
+      if (stroke.kind !== "eraser" && isMostlyInside(stroke, inside)) whole.push(index);
       continue;
     }
     const found = cutOf(stroke, strokes.slice(index + 1).filter(({ kind }) => kind === "eraser"), lasso);

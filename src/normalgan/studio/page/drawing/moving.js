@@ -101,7 +101,7 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  */
 
 /**
- * Returns everything that moves with selected strokes: erasers, points, regions and mask strokes among them. If all strokes
+ * Returns everything that moves with selected strokes: erasers, fills, points, regions and mask strokes among them. If all strokes
  * of a layer are selected, everything on the layer moves.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
@@ -109,16 +109,16 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  * @returns {Along}
  */
 export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {
-  const all = strokes.every(({ kind }, i) => kind === "eraser" || chosen.includes(i));
+  const all = strokes.every(({ kind }, i) => kind === "eraser" || kind === "fill" || chosen.includes(i));
   const hull = all || inside ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
   /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
   const among = (list, at) => new Set(list.flatMap((each, i) => {
     const point = at(each);
     return point && (all || (inside ? inside(point) : isInside(hull, point))) ? [i] : [];
   }));
-  const erased = among(strokes, (stroke) => (stroke.kind === "eraser" ? middleOf(stroke.points, 3) : null));
+  const marks = among(strokes, (stroke) => (stroke.kind === "eraser" || stroke.kind === "fill" ? middleOf(stroke.points, 3) : null));
   return {
-    strokes: new Set([...chosen, ...erased]), hints: among(hints, (hint) => hint),
+    strokes: new Set([...chosen, ...marks]), hints: among(hints, (hint) => hint),
     areas: among(areas, ({ points }) => middleOf(points, 2)), mask: among(mask, ({ points }) => middleOf(points, 2)),
   };
 }

@@ -85,7 +85,7 @@ export function curveOf({ points }, step) {
 /**
  * Prepares a context for the pieces of a stroke.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
- * @param {"pen" | "eraser" | "picture"} kind
+ * @param {Stroke["kind"]} kind
  * @param {string} [colour]
  */
 export function prepare(context, kind, colour = "#000") {
@@ -114,6 +114,14 @@ export function drawPicture(context, image, { x, y, width, height, turn = 0, fli
   context.restore();
 }
 
+/** Returns the area of a fill. @param {import("./document.js").Line} fill */
+export function insideOf({ points }) {
+  const path = new Path2D();
+  for (let i = 0; i < points.length; i += 3) path.lineTo(points[i], points[i + 1]);
+  path.closePath();
+  return path;
+}
+
 /**
  * Draws a whole stroke.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
@@ -124,6 +132,11 @@ export function drawStroke(context, stroke, image) {
   prepare(context, stroke.kind, "colour" in stroke ? stroke.colour : undefined);
   if (stroke.kind === "picture") {
     drawPicture(context, image(stroke.picture), stroke);
+    return;
+  }
+  if (stroke.kind === "fill") {
+    context.fillStyle = stroke.colour ?? "#000";
+    context.fill(insideOf(stroke), "evenodd");
     return;
   }
   const count = stroke.points.length / 3;

@@ -4,7 +4,7 @@ import { fieldOf } from "./dom.js";
 
 /** Entries of the help: keys and the name of their text. */
 export const SHOWN = [
-  ["P  E  S  H  R  D  M  L  V", "keyPen"],
+  ["P  E  S  H  R  D  M  B  L  V", "keyPen"],
   ["[  ]", "keyWidth"],
   ["Ctrl+Z  Ctrl+Shift+Z", "keyUndo"],
   ["Ctrl+S  Ctrl+O  Ctrl+I  Ctrl+E", "keyFile"],

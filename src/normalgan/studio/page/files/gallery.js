@@ -82,7 +82,7 @@ export function drawFitted(canvas, picture) {
 export async function drawDocument(canvas, value) {
   const doc = parseDocument(value);
   const fresh = await decodeAll(picturesOf(doc));
-  drawFitted(canvas, linesAt(doc, SIDE));
+  drawFitted(canvas, linesAt(doc, SIDE, true));
   // A document that is being opened may need them.
   if (canvas.closest("dialog[open]")) free(fresh);
 }

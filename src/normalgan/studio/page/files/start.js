@@ -252,7 +252,7 @@ async function described({ name, changed, read }) {
     const doc = parseDocument(found.doc);
     called = doc.settings.name || called;
     await decodeAll(picturesOf(doc));
-    drawFitted(picture, linesAt(doc, SMALL));
+    drawFitted(picture, linesAt(doc, SMALL, true));
   } catch (error) {
     problem = /** @type {Error} */ (error).message;
   }

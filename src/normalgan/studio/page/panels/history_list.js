@@ -22,7 +22,7 @@ function strokesStep(from, to) {
   if (to.length > from.length) {
     // A cut picture or a rotated mirrored line becomes two.
     if (!begins(from.length)) return text.stepMoved;
-    return { eraser: text.stepErased, picture: text.stepImported, pen: text.stepLine }[to[to.length - 1].kind];
+    return { eraser: text.stepErased, picture: text.stepImported, pen: text.stepLine, fill: text.stepFill }[to[to.length - 1].kind];
   }
   const gone = to.length < from.length || from.some((each, i) => isCut(each, to[i]));
   return gone ? text.stepRemoved : text.stepMoved;

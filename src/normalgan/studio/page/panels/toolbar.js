@@ -7,9 +7,9 @@ import { icon } from "../elements/icons.js";
 import { recalled, remember } from "../elements/settings.js";
 import { say, text } from "../text/text.js";
 
-const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
+const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "fill", "light", "hand"];
 /** Tools with options other than the line's. */
-const WITH_OPTIONS = ["hint", "region", "hand", "select", "mask", "light"];
+const WITH_OPTIONS = ["hint", "region", "hand", "select", "mask", "fill", "light"];
 /** Range of the side of a structure's tiles in the slider, in drawing pixels. */
 export const PERIODS = [16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
@@ -19,21 +19,21 @@ const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
 /** Saves the line settings for the next session. @param {import("../drawing/editor.js").Editor} editor */
-const keepBrushes = ({ widths, smoothing, colour, brush, structure }) =>
-  remember(KEY, { widths, smoothing, colour, brush, ...(!structure.picture && { structure }) });
+const keepBrushes = ({ widths, smoothing, colour, fillColour, brush, structure }) =>
+  remember(KEY, { widths, smoothing, colour, fillColour, brush, ...(!structure.picture && { structure }) });
 
 /** Restores saved settings that are valid. @param {import("../drawing/editor.js").Editor} editor */
 function recallBrushes(editor) {
   const before = recalled(KEY) ?? {};
   const widths = Object.fromEntries(Object.entries(editor.widths).map(([tool, width]) => [tool, WIDTHS.includes(before.widths?.[tool]) ? before.widths[tool] : width]));
   const smoothing = before.smoothing >= 0 && before.smoothing <= 1 ? before.smoothing : editor.smoothing;
-  const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
+  const [colour, fillColour] = /** @type {const} */ (["colour", "fillColour"]).map((name) => (/^#[0-9a-f]{6}$/.test(before[name]) ? before[name] : editor[name]));
   const share = (/** @type {"soft" | "strength"} */ part) => (before.brush?.[part] >= 0 && before.brush[part] <= 1 ? Number(before.brush[part]) : editor.brush[part]);
   const works = ["smooth", "structure"].includes(before.brush?.works) ? before.brush.works : editor.brush.works;
   const brush = { soft: share("soft"), strength: share("strength"), works };
   const { kind, period, turn } = before.structure ?? {};
   const structure = LIMITS.kinds.includes(kind) && PERIODS.includes(period) ? { kind, period, ...(Number.isFinite(turn) && { turn }) } : editor.structure;
-  editor.set({ widths, smoothing, colour, brush, structure });
+  editor.set({ widths, smoothing, colour, fillColour, brush, structure });
 }
 
 /**
@@ -70,6 +70,7 @@ export class Toolbar {
     this.size = field("size");
     this.smoothing = field("smoothing");
     this.colour = field("colour");
+    this.fillColour = field("fill-colour");
     this.carveHeight = field("carve-height");
     this.size.max = String(WIDTHS.length - 1);
     followHelp();
@@ -81,11 +82,12 @@ export class Toolbar {
   }
 
   #listen() {
-    const { editor, size, smoothing, colour, carveHeight } = this;
+    const { editor, size, smoothing, colour, fillColour, carveHeight } = this;
     for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
     size.addEventListener("input", () => editor.set({ widths: { ...editor.widths, [editor.tool]: WIDTHS[size.valueAsNumber] } }));
     smoothing.addEventListener("input", () => editor.set({ smoothing: smoothing.valueAsNumber / 100 }));
     colour.addEventListener("input", () => editor.set({ colour: colour.value }));
+    fillColour.addEventListener("input", () => editor.set({ fillColour: fillColour.value }));
     $("carve").addEventListener("click", () => turnCarving(editor));
     carveHeight.addEventListener("input", () => editor.set({ carveHeight: carveHeight.valueAsNumber / 100 }));
     for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
@@ -121,6 +123,7 @@ export class Toolbar {
     $("smoothing-label").hidden = tool !== "pen";
     colour.value = editor.colour;
     colour.hidden = tool !== "pen";
+    this.fillColour.value = editor.fillColour;
     for (const id of SWITCHES) {
       press(id, editor[id]);
       $(id).hidden = !["pen", "eraser"].includes(tool);

@@ -1,6 +1,7 @@
 /** Materials: show the lit result as clay or in the drawing's own colours. */
 
 import { context2d } from "../drawing/canvas.js";
+import { paintsAlike } from "../drawing/document.js";
 import { linesAt } from "../drawing/ink.js";
 import { $ } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
@@ -24,8 +25,15 @@ export class Materials {
     const before = recalled(KEY);
     /** @type {"clay" | "colours"} */
     this.chosen = MATERIALS.includes(before) ? before : "clay";
+    /** @type {import("../drawing/document.js").Doc | null} the document whose colours the result shows */
+    this.coloured = null;
     for (const each of MATERIALS) $(`material-${each}`).addEventListener("click", () => this.choose(each));
     predictor.addEventListener("painted", () => this.#colour());
+    // A fill changes the colours, but not the map.
+    editor.addEventListener("change", (event) => {
+      const { coloured } = this;
+      if (coloured && coloured.layers !== editor.doc.layers && !/** @type {CustomEvent} */ (event).detail.live && paintsAlike(coloured, editor.doc)) this.#colour();
+    });
     predictor.addEventListener("empty", () => this.#show());
     let { tool } = editor;
     /** The tool used before the light tool, which its button restores. */
@@ -55,7 +63,7 @@ export class Materials {
    */
   colours(longest) {
     if (this.chosen === "clay") return null;
-    const canvas = linesAt(this.editor.doc, longest);
+    const canvas = linesAt(this.editor.doc, longest, true);
     const { width, height } = canvas;
     const { data } = context2d(canvas).getImageData(0, 0, width, height);
     return { rgba: new Uint8Array(data.buffer), width, height };
@@ -63,6 +71,7 @@ export class Materials {
 
   #colour() {
     const { painted } = this.predictor;
+    this.coloured = this.editor.doc;
     this.result.viewer.setColours(painted && this.colours(Math.max(painted.width, painted.height)));
     this.#show();
   }
