@@ -382,3 +382,23 @@ def test_the_lines_of_a_photo_lie_over_the_result_without_its_paper(studio: Stud
     with studio.repainting():
         studio.line((SIDE / 2, SIDE / 2 - 70), (SIDE / 2, SIDE / 2 - 50))
     assert studio.shown(*line).max() > 0  # erased there too
+
+
+def test_the_eraser_leaves_the_paper_of_a_photo(studio: Studio, tmp_path: Path) -> None:
+    paper = np.linspace(120, 190, SIDE)[None, :, None] + np.array([-20, 0, 20])  # in a shadow on the left
+    photo = np.broadcast_to(paper, (SIDE, SIDE, 3)).astype(np.uint8).copy()
+    for x in (60, 190):
+        cv2.circle(photo, (x, SIDE // 2), 40, (40, 30, 30), 6, cv2.LINE_AA)
+    Image.fromarray(photo).save(tmp_path / "photo.png")
+    with studio.repainting():
+        give(studio, tmp_path / "photo.png", "drawing")
+    page = studio.page
+    page.keyboard.press("e")
+    for x in (60, 190):
+        with studio.repainting():
+            studio.line((x, SIDE / 2 - 60), (x, SIDE / 2 - 20))
+    page.mouse.move(2, 2)
+    shown = studio.screen()
+    for x in (60, 190):
+        column, row = studio.on_board(x, SIDE / 2 - 40)
+        np.testing.assert_allclose(shown[round(row), round(column)], paper[0, x], atol=12)

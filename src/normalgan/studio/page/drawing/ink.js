@@ -2,6 +2,7 @@
 
 import { context2d } from "./canvas.js";
 import { linesOf } from "./document.js";
+import { paperOf } from "./paper_ground.js";
 import { decoded, hasHoles } from "./pictures.js";
 import { averaged } from "./pixels.js";
 import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
@@ -33,13 +34,26 @@ export function kindOf(strokes) {
   return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => !stroke.paper && hasHoles(stroke.picture)) };
 }
 
-/** Whether the paper of an imported picture would hide what is under it. @param {import("./document.js").Stroke[]} strokes */
-export function hidesFills(strokes) {
+/** Whether imported pictures have paper, which would hide what is under it. @param {import("./document.js").Stroke[]} strokes */
+export function hasPaper(strokes) {
   const { channels, onPaper } = kindOf(strokes);
   return channels === 4 && onPaper;
 }
 
 /** @typedef {{width: number, height: number, strokes: import("./document.js").Stroke[]}} Drawn a layer's strokes, and the size of its paper */
+
+/**
+ * Returns the paper of a layer's pictures, which an eraser leaves there; null if they have none.
+ * @param {CanvasRenderingContext2D} context in pixels of the drawing @param {Drawn} drawn
+ */
+function patternOf(context, { width, height, strokes }) {
+  const pictures = strokes.filter(({ kind }) => kind === "picture");
+  if (!hasPaper(pictures)) return null;
+  const paper = paperOf({ width, height, strokes: pictures });
+  const pattern = context.createPattern(paper, "no-repeat");
+  pattern?.setTransform(new DOMMatrix().scale(width / paper.width, height / paper.height));
+  return pattern;
+}
 
 /** Returns a layer's fills and what erases them; nothing if there are no fills. @param {import("./document.js").Stroke[]} strokes */
 function fillsOf(strokes) {
@@ -63,7 +77,8 @@ export function inkAt(doc, longest, what = "lines") {
   const context = context2d(canvas, { willReadFrequently: true });
   context.scale(canvas.width / doc.width, canvas.height / doc.height);
   context.imageSmoothingQuality = "high";
-  for (const stroke of strokes) drawStroke(context, stroke, decoded);
+  const paper = what === "lines" && strokes.some(({ kind }) => kind === "eraser") ? patternOf(context, doc) : null;
+  for (const stroke of strokes) drawStroke(context, stroke, decoded, paper);
   const { channels, onPaper } = kindOf(strokes);
   const pixels = () => ({ channels, bytes: averaged(context, [0, 0, canvas.width, canvas.height], 1, channels, onPaper) });
   return { canvas, scale, pixels };
@@ -87,10 +102,10 @@ export function linesAt(doc, longest, filled = false) {
     context.globalCompositeOperation = way;
     if (filled) context.drawImage(inkAt({ width, height, strokes }, longest, "fills").canvas, 0, 0);
   };
-  fill(hidesFills(layers[0].strokes) ? "multiply" : "destination-over", layers[0].strokes);
+  fill(hasPaper(layers[0].strokes) ? "multiply" : "destination-over", layers[0].strokes);
   for (const [i, canvas] of others.entries()) {
     fill("source-over", layers[i + 1].strokes);
-    context.globalCompositeOperation = hidesFills(layers[i + 1].strokes) ? "multiply" : "source-over";
+    context.globalCompositeOperation = hasPaper(layers[i + 1].strokes) ? "multiply" : "source-over";
     context.drawImage(canvas, 0, 0);
   }
   return first;
@@ -112,6 +127,8 @@ export class Ink {
     this.drawn = [];
     /** @type {import("./document.js").Line | null} the current stroke */
     this.live = null;
+    /** @type {{pictures: import("./document.js").Stroke[], pattern: CanvasPattern | null}} what erasers leave of pictures */
+    this.paper = { pictures: [], pattern: null };
     this.pieces = 0;
     /** @type {Box | null} the box that has changed since the last call of `pixels` */
     this.stale = ALL;
@@ -129,7 +146,8 @@ export class Ink {
     const pictured = this.plain !== null || this.scale === 1 || !doc.strokes.some(({ kind }) => kind === "picture");
     if (!begun || !sized || !pictured || this.live) this.#clear(doc);
     for (const stroke of doc.strokes.slice(this.drawn.length)) {
-      for (const context of this.#contexts()) drawStroke(context, stroke, decoded);
+      const paper = stroke.kind === "eraser" ? this.#paper(doc.strokes) : null;
+      for (const context of this.#contexts()) drawStroke(context, stroke, decoded, paper);
       this.stale = united(this.stale, stroke.kind === "picture" ? ALL : boxOf(stroke, 0));
     }
     this.drawn = doc.strokes;
@@ -146,8 +164,9 @@ export class Ink {
     const count = line.points.length / 3;
     const box = boxOf(line, Math.max(0, this.pieces - 1));
     const sides = sidesOf(line, Math.max(0, this.pieces - 1));
+    const paper = line.kind === "eraser" ? this.#paper(this.drawn) : null;
     for (const context of this.#contexts()) {
-      prepare(context, line.kind, line.colour);
+      prepare(context, line.kind, line.colour, paper);
       for (let i = this.pieces; i < count - 1; i++) for (const side of sides) drawPiece(context, side, i, false);
       if (ended) for (const side of sides) drawPiece(context, side, count - 1, true);
     }
@@ -173,6 +192,16 @@ export class Ink {
       clamp(Math.ceil(right), this.width), clamp(Math.ceil(bottom), this.height),
     ]);
     return { channels, box, bytes: averaged(this.plain ?? this.context, box, this.plain ? 1 : this.scale, channels, onPaper) };
+  }
+
+  /** Returns what an eraser leaves of pictures. @param {import("./document.js").Stroke[]} strokes */
+  #paper(strokes) {
+    const pictures = strokes.filter(({ kind }) => kind === "picture");
+    const { paper, context, width, height } = this;
+    if (pictures.length !== paper.pictures.length || pictures.some((each, i) => each !== paper.pictures[i])) {
+      this.paper = { pictures, pattern: patternOf(context, { width, height, strokes: pictures }) };
+    }
+    return this.paper.pattern;
   }
 
   #contexts() {

@@ -1,7 +1,8 @@
 /** Paper tone: tells the lines of a picture from its paper, which may be photographed, unevenly lit, or darker than they are. */
 
 import { context2d } from "./canvas.js";
-import { WHITE, inkAt, kindOf } from "./ink.js";
+import { WHITE, hasPaper, inkAt, kindOf } from "./ink.js";
+import { largest, paperOf, radiusOf, turned } from "./paper_ground.js";
 
 /** Minimum darkness of a line compared with the paper around it: 0 as the paper, 1 as the darkest ink. */
 const INKED = 0.35;
@@ -11,57 +12,10 @@ const DARKEST = 0.005;
 const CONTRAST = 48;
 /** Areas wider than a line are ink too if they are about as dark as the darkest ink, as a share of its darkness. */
 const FILLED = 0.25;
-/** Lines of a picture are narrower than this share of its longer side. */
-const WIDEST = 1 / 16;
-/** Longer side in pixels at which the tone of the paper is measured, and at which lines on photographed paper are. */
-const SIDE = 256;
+/** Longer side in pixels at which lines on photographed paper are measured. */
 const LINES_SIDE = 512;
 /** Pixels of the drawing left around lines on photographed paper. */
 const ROOM = 8;
-
-/**
- * Returns the largest level within a distance of each pixel along rows and columns.
- * @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius
- */
-function largest(levels, width, height, radius) {
-  let found = levels;
-  // Loops without a function per pixel, since a large drawing has many.
-  for (const [lines, between, length, step] of [[height, width, width, 1], [width, 1, height, width]]) {
-    // The largest of `span` levels from each pixel on; doubled until two of them cover the distance.
-    let ahead = found;
-    let span = 1;
-    for (; 2 * span <= 2 * radius + 1; span *= 2) {
-      const longer = ahead.slice();
-      for (let line = 0; line < lines; line++) {
-        for (let place = 0, at = line * between; place + span < length; place++, at += step) {
-          const other = ahead[at + span * step];
-          if (other > longer[at]) longer[at] = other;
-        }
-      }
-      ahead = longer;
-    }
-    const out = new Uint8Array(levels.length);
-    for (let line = 0; line < lines; line++) {
-      const start = line * between;
-      for (let place = 0; place < length; place++) {
-        const first = ahead[start + Math.max(place - radius, 0) * step];
-        const last = ahead[start + Math.min(Math.max(place + radius + 1 - span, 0), length - 1) * step];
-        out[start + place * step] = first > last ? first : last;
-      }
-    }
-    found = out;
-  }
-  return found;
-}
-
-/** @param {Uint8Array} levels */
-const turned = (levels) => levels.map((level) => 255 - level);
-
-/** Returns the paper under dark lines: the levels without anything dark that is narrower than twice the radius. @param {Uint8Array} levels @param {number} width @param {number} height @param {number} radius */
-const paperUnder = (levels, width, height, radius) => turned(largest(turned(largest(levels, width, height, radius)), width, height, radius));
-
-/** @param {number} width @param {number} height */
-const radiusOf = (width, height) => Math.max(2, Math.round((Math.max(width, height) * WIDEST) / 2));
 
 /** Returns the values below which these shares of all lie. @param {Float32Array | Uint8Array} values @param {number[]} shares */
 function quantiles(values, shares) {
@@ -113,20 +67,14 @@ export function linesIn({ channels, bytes }, width, height) {
  * @param {import("./ink.js").Drawn} drawn
  * @returns {HTMLCanvasElement | null} null if no paper hides what is below it
  */
-export function invertedPaper({ width, height, strokes }) {
-  const pictures = strokes.filter(({ kind }) => kind === "picture");
-  const { channels, onPaper } = kindOf(pictures);
-  if (channels === 1 || !onPaper) return null;
-  const { canvas, pixels } = inkAt({ width, height, strokes: pictures }, Math.min(SIDE, Math.max(width, height)));
-  const { bytes } = pixels();
-  const image = new ImageData(canvas.width, canvas.height);
-  const radius = radiusOf(canvas.width, canvas.height);
-  for (let c = 0; c < 3; c++) {
-    const levels = Uint8Array.from({ length: bytes.length / 4 }, (_, i) => bytes[4 * i + c]);
-    paperUnder(levels, canvas.width, canvas.height, radius).forEach((level, i) => { image.data[4 * i + c] = 255 - level; });
-  }
-  for (let i = 3; i < image.data.length; i += 4) image.data[i] = 255;
-  context2d(canvas).putImageData(image, 0, 0);
+export function invertedPaper(drawn) {
+  const pictures = drawn.strokes.filter(({ kind }) => kind === "picture");
+  if (!hasPaper(pictures)) return null;
+  const canvas = paperOf({ ...drawn, strokes: pictures });
+  const context = context2d(canvas);
+  context.globalCompositeOperation = "difference";
+  context.fillStyle = "#fff";
+  context.fillRect(0, 0, canvas.width, canvas.height);
   return canvas;
 }
 

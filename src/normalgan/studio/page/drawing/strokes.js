@@ -87,12 +87,14 @@ export function curveOf({ points }, step) {
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {Stroke["kind"]} kind
  * @param {string} [colour]
+ * @param {CanvasPattern | null} [paper] what an eraser leaves of a picture on paper
  */
-export function prepare(context, kind, colour = "#000") {
-  context.globalCompositeOperation = kind === "eraser" ? "destination-out" : "source-over";
+export function prepare(context, kind, colour = "#000", paper = null) {
+  const erased = paper ? "source-atop" : "destination-out";
+  context.globalCompositeOperation = kind === "eraser" ? erased : "source-over";
   context.lineCap = "round";
   context.lineJoin = "round";
-  context.strokeStyle = colour;
+  context.strokeStyle = kind === "eraser" && paper ? paper : colour;
 }
 
 /**
@@ -127,9 +129,10 @@ export function insideOf({ points }) {
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {Stroke} stroke
  * @param {(url: string) => CanvasImageSource} image a decoded picture
+ * @param {CanvasPattern | null} [paper] what an eraser leaves of a picture on paper
  */
-export function drawStroke(context, stroke, image) {
-  prepare(context, stroke.kind, "colour" in stroke ? stroke.colour : undefined);
+export function drawStroke(context, stroke, image, paper = null) {
+  prepare(context, stroke.kind, "colour" in stroke ? stroke.colour : undefined, paper);
   if (stroke.kind === "picture") {
     drawPicture(context, image(stroke.picture), stroke);
     return;
