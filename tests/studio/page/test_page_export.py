@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import SIDE, Studio
+from studio_page import RADIUS, SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 LOOK = """() => {
@@ -54,6 +54,19 @@ def test_a_larger_export_has_the_structures_of_the_drawing(ball: Studio, tmp_pat
     assert np.abs(np.diff(own, axis=0)).max() > 20  # scales have edges
     assert np.abs(own - large).mean() < 4
     assert np.corrcoef(np.diff(own, axis=0).ravel(), np.diff(large, axis=0).ravel())[0, 1] > 0.9
+
+
+def test_the_drawing_is_exported_in_colour(ball: Studio, tmp_path: Path) -> None:
+    page = ball.page
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#3070c0")
+    page.mouse.click(*ball.on_board(SIDE / 2, SIDE / 2))
+    assert export(ball, tmp_path / "colour.png", name="fox", what="colours", size="512") == "fox_colour.png"
+    colour = np.asarray(Image.open(tmp_path / "colour.png").convert("RGBA"))
+    assert colour.shape == (512, 512, 4)
+    assert colour[256, 256].tolist() == [0x30, 0x70, 0xC0, 255]
+    assert colour[256, 256 + 2 * RADIUS].tolist() == [0, 0, 0, 255]  # the line lies above
+    assert colour[4, 4, 3] == 0
 
 
 def test_a_larger_export_is_drawn_anew_and_not_enlarged(ball: Studio, tmp_path: Path) -> None:

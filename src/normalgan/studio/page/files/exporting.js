@@ -66,7 +66,7 @@ export class Exporting {
 
   /** Disables kinds of files that cannot be exported here. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
-    this.offered = { ...offered, lit: this.formats.lit }; // made by the page itself
+    this.offered = { ...offered, lit: this.formats.lit, colours: this.formats.colours }; // made by the page itself
     const what = whatList();
     for (const option of what.options) {
       option.disabled = !(option.value in this.offered);
@@ -140,6 +140,7 @@ export class Exporting {
     const own = Math.max(doc.width, doc.height);
     const longest = request.size ?? own;
     if (request.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${request.name}_lit.png` };
+    if (request.what === "colours") return { blob: await toPng(linesAt(doc, longest, true)), name: `${request.name}_colour.png` };
     const more = { ...request };
     if (["lines", "all"].includes(request.what)) {
       const lines = await toPng(linesAt(doc, longest));
@@ -245,7 +246,7 @@ export class Exporting {
     const down = what === "all" ? ($("export-engines").dataset.down ?? "").split(" ").includes(format) : y === "down";
     /** @type {HTMLCanvasElement | ImageBitmap | null} */
     let picture = null;
-    if (what === "lines") picture = linesAt(this.editor.doc, LOOK);
+    if (["lines", "colours"].includes(what)) picture = linesAt(this.editor.doc, LOOK, what === "colours");
     else if (what === "relief") picture = painted && canvasOf(painted, this.shaded(painted, true), false); // the mesh has no colours
     else if (["map", "all"].includes(what) || !this.offered[what]?.includes("png")) picture = painted && canvasOf(painted, painted.rgba, down);
     else if (what === "lit") picture = painted && canvasOf(painted, this.shaded(painted), false);

@@ -342,6 +342,7 @@ export const text = {
   whatLit: "Lit picture, as shown",
   whatAll: "All files, zipped",
   whatLines: "Line art",
+  whatColours: "Drawing in colour",
   plain: "Plain",
   unity: "Unity",
   unreal: "Unreal",

@@ -327,6 +327,7 @@ export const words = {
   whatMask: "Maske",
   whatAll: "Alle Dateien, gezippt",
   whatLines: "Linien",
+  whatColours: "Zeichnung in Farbe",
   plain: "Schlicht",
   copyPicture: "Bild kopieren",
   copied: "Kopiert.",

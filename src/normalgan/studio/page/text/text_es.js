@@ -327,6 +327,7 @@ export const words = {
   whatMask: "Máscara",
   whatAll: "Todos los archivos, en zip",
   whatLines: "Líneas",
+  whatColours: "Dibujo en color",
   plain: "Simple",
   copyPicture: "Copiar la imagen",
   copied: "Copiado.",

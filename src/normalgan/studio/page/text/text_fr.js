@@ -327,6 +327,7 @@ export const words = {
   whatMask: "Masque",
   whatAll: "Tous les fichiers, en zip",
   whatLines: "Lignes",
+  whatColours: "Dessin en couleur",
   plain: "Simple",
   copyPicture: "Copier l'image",
   copied: "Copié.",

@@ -327,6 +327,7 @@ export const words = {
   whatMask: "マスク",
   whatAll: "全ファイル（ZIP）",
   whatLines: "線画",
+  whatColours: "カラーの絵",
   plain: "標準",
   copyPicture: "画像をコピー",
   copied: "コピーしました。",

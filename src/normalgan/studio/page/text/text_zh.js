@@ -327,6 +327,7 @@ export const words = {
   whatMask: "蒙版",
   whatAll: "全部文件（ZIP）",
   whatLines: "线稿",
+  whatColours: "彩色图画",
   plain: "通用",
   copyPicture: "复制图片",
   copied: "已复制。",
