@@ -120,7 +120,7 @@ def film(page: Page, path: Path) -> None:
 
 
 def layers(page: Page, path: Path) -> None:
-    """Write a screenshot with three layers: a head in front of a body in front of an arm."""
+    """Write a screenshot with three filled layers: a head in front of a body in front of an arm."""
     page.locator("#new").click()
     page.locator("#choose button[value=drop]").click()
     page.locator("#new-dialog button.strong").click()
@@ -133,11 +133,11 @@ def layers(page: Page, path: Path) -> None:
     assert box is not None
     x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.42 * box["width"]
     parts = (
-        ("Arm", (0.5, 0.1), 0.32, 0.5),
-        ("Body", (0, 0.35), 0.5, 0.85),
-        ("Head", (-0.12, -0.4), 0.4, 0.95),
+        ("Arm", "#d9a06b", (0.5, 0.1), 0.32, 0.5),
+        ("Body", "#4a7fb5", (0, 0.35), 0.5, 0.85),
+        ("Head", "#e8b98a", (-0.12, -0.4), 0.4, 0.95),
     )
-    for number, (name, (right, down), wide, tall) in enumerate(parts):
+    for number, (name, colour, (right, down), wide, tall) in enumerate(parts):
         if number:
             page.locator("#layer-add").click()
         for i in range(61):
@@ -152,7 +152,13 @@ def layers(page: Page, path: Path) -> None:
         page.keyboard.type(name)
         page.keyboard.press("Enter")
         page.locator("#board").focus()
+        page.keyboard.press("b")
+        page.locator("#fill-colour").fill(colour)
+        page.mouse.click(x + radius * right, y + radius * down)
+        page.keyboard.press("p")
+    page.locator("#material-colours").click()
     shoot(page, path)
+    page.locator("#material-clay").click()
     page.locator("#layers-close").click()
 
 
