@@ -717,7 +717,7 @@ def test_a_drawing_is_painted_saved_and_exported(studio: "Page") -> None:
 
 def test_what_needs_python_cannot_be_chosen(studio: "Page") -> None:
     what = studio.locator("#export-what option:not([disabled])")
-    assert what.evaluate_all("all => all.map((each) => each.value)") == ["map", "lit", "lines"]
+    assert what.evaluate_all("all => all.map((each) => each.value)") == ["map", "lit", "lines", "colours"]
     studio.evaluate("document.getElementById('export-what').value = 'map'")
     studio.evaluate("document.getElementById('export-what').dispatchEvent(new Event('change'))")
     formats = studio.locator("#export-format option:not([disabled])")
