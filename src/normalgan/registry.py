@@ -11,7 +11,9 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, entry_points, version
+from pkgutil import iter_modules
 from types import FunctionType
 from typing import Any, ClassVar, Generic, TypeVar, get_origin
 
@@ -222,6 +224,12 @@ def _package(cls: type) -> str:
 
 def _namesakes(one: type, other: type) -> str:
     return f"two classes are named {one.__name__}: {one.__module__} and {other.__module__}; rename one"
+
+
+def import_modules(package: str) -> None:
+    """Import all modules of a package, so that a module with a plug-in need not be listed anywhere."""
+    for found in iter_modules(sys.modules[package].__path__, f"{package}."):
+        import_module(found.name)
 
 
 def find_imported(name: str, base: type[T]) -> type[T] | None:

@@ -1,6 +1,6 @@
 """Hints: samplers that choose the pixels with a known normal, and hints as tensors.
 
-Samplers are plug-ins, one module each; a new one is imported here, which registers it.
+Samplers are plug-ins, one module each. A new module in this folder is imported, and so registered, by itself.
 """
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
@@ -11,6 +11,9 @@ from normalgan.hints.none import NoHints
 from normalgan.hints.normal_curvature import curvature_map
 from normalgan.hints.uniform import UniformHints
 from normalgan.hints.worst import WorstErrorHints
+from normalgan.registry import import_modules
+
+import_modules(__name__)
 
 __all__ = [
     "HINT_SAMPLERS",

@@ -8,6 +8,9 @@ from normalgan.losses.l1_and_hints import L1AndHints, hint_loss, l1_loss
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.losses.wasserstein import Wasserstein, WassersteinGradientPenalty
 from normalgan.models.predictions import Predictions
+from normalgan.registry import import_modules
+
+import_modules(__name__)
 
 __all__ = [
     "ADVERSARIAL_OBJECTIVES",

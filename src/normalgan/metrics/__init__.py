@@ -12,6 +12,9 @@ from normalgan.metrics.collection import normal_map_metrics
 from normalgan.metrics.distance import MeanL1, MeanL2
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors, without_hints
 from normalgan.metrics.stage import StageMetrics
+from normalgan.registry import import_modules
+
+import_modules(__name__)
 
 __all__ = [
     "METRICS",

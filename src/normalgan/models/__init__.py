@@ -7,6 +7,9 @@ from normalgan.models.predictions import Predictions
 from normalgan.models.residual_unet import ResidualUNetGenerator
 from normalgan.models.tiled_generator import TiledGenerator
 from normalgan.models.unet import UNetDiscriminator, UNetGenerator
+from normalgan.registry import import_modules
+
+import_modules(__name__)
 
 __all__ = [
     "DISCRIMINATORS",

@@ -9,6 +9,10 @@ from typing import NamedTuple
 class Format(NamedTuple):
     """A picture format.
 
+    To add one that Pillow decodes, add an entry to `FORMATS`, from which files, folders, the studio's dialog
+    and the decoding process read it, then run ``tests/decoding/test_formats.py``: it names the add-on and the
+    page of the docs that list the formats. A paint program's format also has a class in ``layered_files``.
+
     Args:
         name: name of the format in messages.
         endings: file extensions.

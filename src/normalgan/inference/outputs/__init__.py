@@ -1,4 +1,4 @@
-"""Outputs: the files written for a drawing, one module per kind; import new kinds here."""
+"""Outputs: the files written for a drawing. A new module in this folder is imported by itself."""
 
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.height import Height
@@ -9,6 +9,9 @@ from normalgan.inference.outputs.packed import OcclusionRoughnessMetallic, Rough
 from normalgan.inference.outputs.preview import Preview
 from normalgan.inference.outputs.relief import Relief
 from normalgan.inference.outputs.shading import AmbientOcclusion, Curvature, Specular
+from normalgan.registry import import_modules
+
+import_modules(__name__)
 
 __all__ = [
     "OUTPUTS",

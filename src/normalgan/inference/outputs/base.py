@@ -20,7 +20,8 @@ class Output(RangeChecked, ABC):
 
     Subclasses are frozen dataclasses. Each field is a setting with a default and becomes an option of
     `generate` and `predict`, so its name must not clash with theirs. The registry also fills the studio's
-    export menu and tells which files in a folder are outputs, not drawings.
+    export menu and tells which files in a folder are outputs, not drawings. A new kind in this package is a
+    module in this folder, which is imported by itself; ``examples/plugins/output.py`` is a whole one to copy.
 
     Args:
         format: file ending. A kind with several formats annotates it as a `Literal`.

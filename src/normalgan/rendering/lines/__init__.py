@@ -1,3 +1,4 @@
+from normalgan.registry import import_modules
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.brush import Brush
 from normalgan.rendering.lines.buffers import BufferedDrawing
@@ -7,6 +8,8 @@ from normalgan.rendering.lines.object_space import ObjectSpaceSuggestive
 from normalgan.rendering.lines.ridges import RidgesAndValleys
 from normalgan.rendering.lines.suggestive import SuggestiveContours
 from normalgan.rendering.lines.surface_lines import SurfaceDrawing
+
+import_modules(__name__)
 
 __all__ = [
     "LINE_DRAWINGS",
