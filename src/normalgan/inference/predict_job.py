@@ -64,20 +64,66 @@ class Done:
 
 
 @dataclass(frozen=True)
+class Destinations:
+    """The files that a command writes for its drawings.
+
+    Args:
+        outputs: the files that are written for each drawing.
+        packing: layout of the drawings in a sheet.
+        layers: whether each visible layer of a layered file is predicted separately.
+        mixed: whether, with ``layers``, a drawing without layers is predicted as it is; otherwise it is an
+            error.
+    """
+
+    outputs: Outputs
+    packing: Packing
+    layers: bool
+    mixed: bool
+
+    def by_layers(self, job: Job) -> bool:
+        """Return whether a job's layers are predicted separately."""
+        return self.layers and (not self.mixed or _drawing_of(job).layered is not None)
+
+    def target(self, job: Job) -> Path:
+        """Return the path of a job's map, or of the first map if there are several.
+
+        Raises:
+            InputError: if the file is a broken animation, lacks the requested layers, or would be
+                overwritten.
+        """
+        if self.by_layers(job):
+            return layered_target(job, _drawing_of(job), self.outputs)
+        return job.target if self.packing.given else _moving_target(job, _drawing_of(job), self.outputs)
+
+    def written(self, job: Job) -> list[Path]:
+        """Return the output files of a job; none if it cannot be predicted.
+
+        Of an animation, only the map and the first frame's other outputs are listed.
+        """
+        drawing = _drawing_of(job)
+        try:
+            target = self.target(job)
+            if self.by_layers(job):
+                return [*dict.fromkeys([target, *files_of_layers(job, drawing, self.outputs)])]
+            moves = not self.packing.given and drawing.moving is not None
+        except InputError:  # raised again by the prediction
+            return []
+        first = job.numbered(1, self.outputs.ending) if moves else job
+        return [target, *(first.path_with(ending) for ending in self.outputs.other_endings)]
+
+
+@dataclass(frozen=True)
 class JobPredictor:
     """Predicts the drawings of a job and writes its outputs. Several threads may call it.
 
     Args:
         predictor: the network.
+        destinations: the files of each job, and how a file is divided into drawings.
         writer: writes the outputs.
         size: longer side of the maps in pixels; None keeps the drawings' size.
-        packing: layout of the drawings in a sheet.
         frame: ``shared`` if all drawings of a file are framed by one square, ``own`` if each has a frame of
             its own; None uses ``shared`` for animations and ``own`` otherwise.
         strength: factor applied to the slopes of all maps.
-        layers: whether each visible layer of a layered file is predicted separately.
-        mixed: whether, with ``layers``, a drawing without layers is predicted as it is; otherwise it is an
-            error.
         tile: directions in which each drawing repeats; None if it does not.
         single: whether a page is predicted as one object instead of separate figures.
         holes: x and y of points whose regions are flipped, in pixels of the drawing or of the sheet; see
@@ -87,13 +133,11 @@ class JobPredictor:
     """
 
     predictor: Predictor
-    writer: Writer = field(default_factory=Writer)
+    destinations: Destinations
+    writer: Writer
     size: int | None = None
-    packing: Packing = field(default_factory=Packing)
     frame: Framing | None = None
     strength: float = 1.0
-    layers: bool = False
-    mixed: bool = False
     tile: Tile | None = None
     single: bool = False
     holes: Sequence[tuple[float, float]] = ()
@@ -108,23 +152,23 @@ class JobPredictor:
             OSError: if a file cannot be written.
         """
         files = job.files
-        drawing = Drawing(files.drawing, files.content)
-        if by_layers(job, self.layers, self.mixed):
+        drawing = _drawing_of(job)
+        if self.destinations.by_layers(job):
             shared = self.frame != "own"
             layered = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             target = layered_target(job, drawing, self.writer.outputs)
             maps, warning, held, partial = layered(job, drawing, target)
             return Done(maps, warning, held, partial=partial)
-        if self.packing.tileset == OWN:
+        if self.destinations.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
-        flat = ["it has no layers and is predicted as it is"] if self.layers else []
+        flat = ["it has no layers and is predicted as it is"] if self.destinations.layers else []
         # A multi-page file counts as moving, because its pages are decoded and predicted like frames.
         if drawing.moving is not None:
             self._check_moving(drawing)
             return replace(self._animation(job, drawing), note="; ".join(flat))
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} is a still image.")
-        if self.packing.given:
+        if self.destinations.packing.given:
             return self._written(job, self._sheet(files, drawing))
         preds = self._drawing(job, drawing)
         figures = len(preds.cells)
@@ -175,7 +219,7 @@ class JobPredictor:
 
     def _check_moving(self, drawing: Drawing) -> None:
         """Raise `InputError` if an option is set that only works for a single still picture."""
-        if self.packing.given:
+        if self.destinations.packing.given:
             why = "a sheet is a still picture"
         elif self.tile is not None:
             why = "--tile repeats a still picture"
@@ -251,16 +295,16 @@ class JobPredictor:
     def _sheet(self, files: DrawingFiles, drawing: Drawing) -> NormalMap:
         content = drawing.content
         drawn_at_any_size = is_svg(content)
-        if self.size is not None and (not drawn_at_any_size or self.packing.tileset is not None):
+        if self.size is not None and (not drawn_at_any_size or self.destinations.packing.tileset is not None):
             raise InputError("a sheet of pixels keeps its layout, and therefore its size; omit --size.")
         units = svg_size(content) if drawn_at_any_size else None
         # The tile size is in the SVG's own units.
-        side = SVG_SIDE if units is None or self.packing.tileset is None else round(max(units))
+        side = SVG_SIDE if units is None or self.destinations.packing.tileset is None else round(max(units))
         sheet = read_pixels(files.drawing, content, self.size or side)
-        if self.packing.tileset is not None:
+        if self.destinations.packing.tileset is not None:
             return self._tileset(files, sheet)
         hints, mask = _for_sheet(files, sheet)
-        found = self.packing.cells(sheet, files.drawing, files.below, units)
+        found = self.destinations.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(
             self.predictor,
@@ -277,7 +321,9 @@ class JobPredictor:
 
     def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:
         """Return the map of a tileset; ``own`` is the tile size if the drawing's file stores it."""
-        grid = self.packing.tile_grid(files.drawing, files.below) if own is None else TileGrid(*own)
+        grid = (
+            self.destinations.packing.tile_grid(files.drawing, files.below) if own is None else TileGrid(*own)
+        )
         given = self.predictor, sheet, grid, files.drawing, *_for_sheet(files, sheet), self.sprite
         return _noted(predict_tileset(*given), to_picture(sheet))
 
@@ -369,27 +415,8 @@ class _Problems:
         return self.said[0] + more
 
 
-def by_layers(job: Job, layers: bool, mixed: bool) -> bool:
-    """Return whether a job's layers are predicted separately.
-
-    Args:
-        job: the job.
-        layers: whether layers are asked for.
-        mixed: whether a drawing without layers is predicted as it is.
-    """
-    return layers and (not mixed or Drawing(job.files.drawing, job.files.content).layered is not None)
-
-
-def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Path:
-    """Return the path of a job's map, or of the first map if there are several.
-
-    Raises:
-        InputError: if the file is a broken animation, lacks the requested layers, or would be overwritten.
-    """
-    drawing = Drawing(job.files.drawing, job.files.content)
-    if layers:
-        return layered_target(job, drawing, outputs)
-    return job.target if packing.given else _moving_target(job, drawing, outputs)
+def _drawing_of(job: Job) -> Drawing:
+    return Drawing(job.files.drawing, job.files.content)
 
 
 def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
@@ -413,23 +440,6 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     if target.resolve() == job.files.drawing.resolve():
         raise overwritten(target)
     return target
-
-
-def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Iterator[Path]:
-    """Yield the output files of a job; of an animation, only the map and the first frame's other outputs."""
-    drawing = Drawing(job.files.drawing, job.files.content)
-    try:
-        target = target_of(job, outputs, packing, layers)
-        moves = not packing.given and drawing.moving is not None
-        of_layers = dict.fromkeys(files_of_layers(job, drawing, outputs) if layers else ())
-    except InputError:  # raised again by the prediction, which then writes nothing
-        return
-    if layers:
-        yield from dict.fromkeys([target, *of_layers])
-        return
-    yield target
-    first = job.numbered(1, outputs.ending) if moves else job
-    yield from (first.path_with(ending) for ending in outputs.other_endings)
 
 
 def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:

@@ -10,13 +10,12 @@ from pathlib import Path
 from jsonargparse import Namespace
 
 from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
-from normalgan.inference.composites.packing import Packing
 from normalgan.inference.forms import parse_form
-from normalgan.inference.jobs.plan import STDIN, STDOUT, Job, companions_of
+from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
 from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Held, MissingFiles, Writer
 from normalgan.inference.parallel import stream
-from normalgan.inference.predict_job import JobPredictor, by_layers, target_of, written_for
+from normalgan.inference.predict_job import Destinations, JobPredictor
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import without_companions
 from normalgan.inference.sprites import Sprite
@@ -54,23 +53,27 @@ class DrawingBatch:
     Args:
         settings: the arguments of `normalgan generate`.
         writer: writes the outputs.
-        packing: layout of the drawings in a sheet.
+        destinations: the files of each job.
         holes: x and y of points whose regions are flipped between object and hole.
     """
 
     def __init__(
-        self, settings: Namespace, writer: Writer, packing: Packing, holes: Sequence[tuple[float, float]] = ()
+        self,
+        settings: Namespace,
+        writer: Writer,
+        destinations: Destinations,
+        holes: Sequence[tuple[float, float]] = (),
     ) -> None:
-        self._settings, self._writer, self._packing, self._holes = settings, writer, packing, holes
+        self._settings, self._writer, self._holes = settings, writer, holes
+        self._destinations, self._packing = destinations, destinations.packing
         self._form = None if settings.form is None else parse_form(settings.form)
-        self._outputs = writer.outputs
-        self._mixed = may_be_mixed(settings.sketches)
         self._failed = self._partial = 0
         self._held: list[Held] = []
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
         """Return the jobs that lack a file; print the number of those that have all."""
-        left = [job for job in jobs if not self._is_complete(job)]
+        written = ((job, self._destinations.written(job)) for job in jobs)
+        left = [job for job, files in written if not files or not all(each.exists() for each in files)]
         if len(left) < len(jobs):
             tell(f"{len(jobs) - len(left)} of {len(jobs)} sketches already have a map.")
         return left
@@ -81,7 +84,7 @@ class DrawingBatch:
         for job in jobs:
             extras = [f" with {each}" for each in job.files.companions]
             try:
-                target = self._target(job)
+                target = self._destinations.target(job)
                 there = next(each for each in target.absolute().parents if each.is_dir())
                 with suppress(FileNotFoundError):
                     (there / target.name).lstat()  # raises an error if the name is too long
@@ -89,7 +92,7 @@ class DrawingBatch:
                 failed += 1
                 tell(_sentence(job, error))
             else:
-                written = ", ".join(map(str, self._written_for(job)))
+                written = ", ".join(map(str, self._destinations.written(job)))
                 print(printable(f"{job.files.drawing}{''.join(extras)} -> {written}"))
         return failed
 
@@ -110,13 +113,11 @@ class DrawingBatch:
             self._writer = replace(self._writer, sink=missing)
         work = JobPredictor(
             predictor,
+            self._destinations,
             self._writer,
             size=settings.size,
-            packing=self._packing,
             frame=settings.frame,
             strength=settings.strength,
-            layers=settings.layers,
-            mixed=self._mixed,
             tile=settings.tile,
             single=settings.single,
             holes=self._holes,
@@ -173,7 +174,7 @@ class DrawingBatch:
             printed = now
             # The maps of deleted or renamed drawings are not drawings either.
             known |= set(jobs)
-            kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
+            kept = set(without_companions(sorted(known), companions_of(self._destinations.outputs.ending)))
             jobs = {path: job for path, job in jobs.items() if path in kept}
             saved = watcher.saved(self.read(jobs.values()))
             if saved:
@@ -214,24 +215,6 @@ class DrawingBatch:
                 "the lines above name them."
             )
         return 1 if failed or self._partial else 0
-
-    def _target(self, job: Job) -> Path:
-        return target_of(job, self._outputs, self._packing, self._by_layers(job))
-
-    def _written_for(self, job: Job) -> list[Path]:
-        return list(written_for(job, self._outputs, self._packing, self._by_layers(job)))
-
-    def _by_layers(self, job: Job) -> bool:
-        return by_layers(job, self._settings.layers, self._mixed)
-
-    def _is_complete(self, job: Job) -> bool:
-        files = self._written_for(job)
-        return bool(files) and all(each.exists() for each in files)
-
-
-def may_be_mixed(sketches: Sequence[str]) -> bool:
-    """Return whether the arguments can name drawings of several kinds, not just one file."""
-    return len(sketches) > 1 or (sketches[0] != STDIN and not Path(sketches[0]).is_file())
 
 
 def _sentence(job: Job, error: Exception) -> InputError:

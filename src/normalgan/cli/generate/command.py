@@ -9,7 +9,7 @@ from pathlib import Path
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.cli.generate.batch import DrawingBatch, Found, may_be_mixed
+from normalgan.cli.generate.batch import DrawingBatch, Found
 from normalgan.cli.generate.options import build_parser, engine_of
 from normalgan.cli.parsing.light_parser import refuse_empty
 from normalgan.errors import InputError, tell
@@ -29,7 +29,7 @@ from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Writer
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.outputs.output_set import Outputs, outputs_of
-from normalgan.inference.predict_job import by_layers, written_for
+from normalgan.inference.predict_job import Destinations
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES
 from normalgan.ranges import OutOfRangeError
@@ -54,7 +54,11 @@ def run(arguments: list[str]) -> int:
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
-    find = partial(_find, settings, outputs, packing, content)
+    single = len(settings.sketches) == 1 and (
+        STDIN in settings.sketches or Path(settings.sketches[0]).is_file()
+    )
+    destinations = Destinations(outputs, packing, settings.layers, mixed=not single)
+    find = partial(_find, settings, destinations, content)
     found = find()
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
@@ -70,7 +74,7 @@ def run(arguments: list[str]) -> int:
     if piped is None:
         check_writable(jobs)
     writer = Writer(outputs) if piped is None else Writer(outputs, piped)
-    batch = DrawingBatch(settings, writer, packing, holes)
+    batch = DrawingBatch(settings, writer, destinations, holes)
     for each in (*found.left_out, *wrong):
         tell(each)
     # Created before the first prediction, so that drawings saved during it are predicted again.
@@ -183,9 +187,9 @@ def _points(given: Sequence[str]) -> list[tuple[float, float]]:
     return points
 
 
-def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> Found:
+def _find(settings: Namespace, destinations: Destinations, content: bytes | None) -> Found:
     """Return the drawings that a command names."""
-    folder = Path(settings.output)
+    folder, outputs, packing = Path(settings.output), destinations.outputs, destinations.packing
     files, missing = find_many(
         settings.sketches,
         outputs.ending,
@@ -203,10 +207,8 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
     if is_file_name(folder):
         jobs = [plan_file(files, folder, others, also_read)] if files else []
         return Found(jobs, missing, [], left_out)
-    mixed = may_be_mixed(settings.sketches)
     jobs, clashing = without_clashes(
-        plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read),
-        lambda job: written_for(job, outputs, packing, by_layers(job, settings.layers, mixed)),
+        plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read), destinations.written
     )
     return Found(jobs, missing, clashing, left_out)
 
