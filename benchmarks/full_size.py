@@ -19,9 +19,9 @@ import cv2
 import numpy as np
 from machine import ONE_THREAD, describe
 
-from normalgan.arrays import Floats
-from normalgan.inference.reading.drawings import read_normals
-from normalgan.normals import angles, encode, normalize
+from normalgan.inference.conversion import read_map
+from normalgan.inference.normal_map import NormalMap
+from normalgan.normals import angles, encode
 from normalgan.rendering import EmbreeRenderer, Views, find_meshes
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe, Sample
@@ -53,7 +53,7 @@ def main(arguments: list[str]) -> None:
     }
     with tempfile.TemporaryDirectory() as folder:
         predicted = _predict(samples, Path(folder), given.model)
-    rows = {name: _measure(samples[name], *predicted[name]) for name in samples}
+    rows = {name: _measure(samples[name], predicted[name]) for name in samples}
     if given.picture:
         _draw(samples, predicted, given.picture)
     means = {
@@ -64,8 +64,8 @@ def main(arguments: list[str]) -> None:
     print(json.dumps({**report, "machine": describe("numpy", "onnxruntime")}, indent=1))
 
 
-def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, tuple[Floats, Floats]]:
-    """Return the normals (H, W, 3) and the opacity (H, W) that the command predicts for each sketch."""
+def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, NormalMap]:
+    """Return the map that the command predicts for each sketch."""
     (folder / "in").mkdir()
     for name, sample in samples.items():
         cv2.imwrite(str(folder / "in" / f"{name}.png"), 255 - sample.sketch)
@@ -74,18 +74,12 @@ def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dic
     subprocess.run(
         [sys.executable, *command, *more], check=True, stdout=sys.stderr, env={**os.environ, **ONE_THREAD}
     )
-    return {name: _read(folder / "out" / f"{name}_normal.png") for name in samples}
+    return {name: read_map(folder / "out" / f"{name}_normal.png") for name in samples}
 
 
-def _read(path: Path) -> tuple[Floats, Floats]:
-    vectors, opacity = read_normals(path)
-    assert opacity is not None  # because of --alpha
-    return normalize(vectors), opacity
-
-
-def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, float]:
+def _measure(sample: Sample, preds: NormalMap) -> dict[str, float]:
     """Return the figures of one drawing; angles are means over the part of the true object that was found."""
-    mask, found = sample.mask, opacity > 0.5
+    mask, normals, found = sample.mask, preds.extended, preds.mask
     truth = sample.normal.astype(np.float32)
     angle = angles(normals, truth)
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) / mask.shape[0]
@@ -100,14 +94,15 @@ def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, floa
     }
 
 
-def _draw(samples: dict[str, Sample], predicted: dict[str, tuple[Floats, Floats]], path: Path) -> None:
+def _draw(samples: dict[str, Sample], predicted: dict[str, NormalMap], path: Path) -> None:
     """Write rows of sketch, predicted map, true map, and both maps lit from the upper left."""
     light = np.array([-0.5, 0.6, 0.62], np.float32)
     rows = []
     for name, sample in samples.items():
         ink = np.repeat(255 - sample.sketch[..., None], 3, axis=-1)
         columns = [ink]
-        maps = (predicted[name][0], predicted[name][1] > 0.5), (sample.normal.astype(np.float32), sample.mask)
+        preds, truth = predicted[name], sample.normal.astype(np.float32)
+        maps = (preds.extended, preds.mask), (truth, sample.mask)
         for normals, mask in maps:
             colours = np.asarray(encode(normals * mask[..., None]), np.uint8)
             lit = np.where(mask, np.clip(normals @ light, 0.05, 1), 1)[..., None] * np.float32(255)

@@ -22,10 +22,10 @@ from normalgan.__main__ import main as normalgan
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.composites.layer_context import Inferred, context_of, surest, ways_to_see
+from normalgan.inference.conversion import read_map
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare
-from normalgan.inference.reading.drawings import read_normals
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.normals import normalize
 from normalgan.weights.shipped import SHIPPED
@@ -53,10 +53,8 @@ def view(mesh: Path, folder: Path, azimuth: int) -> View:
     given = f"-o {lines} --normal {truth} --azimuth {azimuth} --size {SIDE}".split()
     if normalgan(["sketch", str(mesh), *given]):
         raise InputError(f"{mesh} cannot be drawn")
-    vectors, opacity = read_normals(truth)
-    assert opacity is not None  # `sketch` writes one
-    ink = 1 - read_picture(lines).colour[..., 0]
-    return View(ink, opacity > 0.5, normalize(vectors))
+    ink, drawn = 1 - read_picture(lines).colour[..., 0], read_map(truth)
+    return View(ink, drawn.mask, drawn.extended)
 
 
 def parts_of(seen: View) -> Iterator[list[Layer]]:

@@ -17,10 +17,10 @@ from PIL import Image
 
 from normalgan.__main__ import main as normalgan
 from normalgan.files.writing import write_bytes
+from normalgan.inference.conversion import read_map
 from normalgan.inference.jobs.folders import find_drawings
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
-from normalgan.inference.reading.drawings import read_normals
-from normalgan.normals import encode, normalize, paint_flat
+from normalgan.normals import encode, paint_flat
 
 SIDE = 180  # side of a cell in pixels
 MARGIN = 110  # pixels at the left for the names of the rows
@@ -28,9 +28,9 @@ MARGIN = 110  # pixels at the left for the names of the rows
 
 def map_and_lit(path: Path) -> list[NDArray[np.uint8]]:
     """Return the colours of a normal map and the lit map, both on white."""
-    vectors, alpha = read_normals(path)
-    normals = normalize(vectors)
-    if alpha is None:  # as `predict` writes: flat off the object
+    found = read_map(path)
+    normals, alpha = found.extended, found.alpha
+    if found.mask.all():  # as `predict` writes: flat off the object
         alpha = (np.abs(normals - (0, 0, 1)).max(-1) > 0.01).astype(np.float32)
     clay = to_srgb(shade(normals, lamp_direction(130, 40)))
     lit = 255 + alpha[..., None] * (clay - 255.0)

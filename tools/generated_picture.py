@@ -16,10 +16,9 @@ import numpy as np
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan
+from normalgan.inference.conversion import read_map
 from normalgan.inference.jobs.folders import find_drawings
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
-from normalgan.inference.reading.drawings import read_normals
-from normalgan.normals import normalize
 
 
 def square(picture: Image.Image, side: int) -> Image.Image:
@@ -39,7 +38,7 @@ def predicted(drawings: list[str], size: int) -> Iterator[tuple[Image.Image, Ima
             sys.exit(code)
         for drawing in find_drawings(drawings, "_normal.png", ()):
             path = Path(folder) / f"{drawing.stem}_normal.png"
-            clay = to_srgb(shade(normalize(read_normals(path)[0]), lamp_direction(130, 40)))
+            clay = to_srgb(shade(read_map(path).extended, lamp_direction(130, 40)))
             with Image.open(path) as picture:
                 yield picture.copy(), Image.fromarray(np.dstack([clay, np.asarray(picture)[..., 3]]))
 
