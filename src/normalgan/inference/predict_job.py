@@ -24,7 +24,7 @@ from normalgan.inference.drawing import Drawing
 from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
-from normalgan.inference.jobs.writing import Held, Writer
+from normalgan.inference.jobs.writing import Done, Writer
 from normalgan.inference.mask.mask_files import OUTLINE, READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
@@ -42,25 +42,6 @@ from normalgan.inference.sprites import Sprite
 Framing = Literal["own", "shared"]
 _MOST_TOGETHER = 2**26
 """Maximum total number of pixels of drawings that share a frame, because all are held in memory."""
-
-
-@dataclass(frozen=True)
-class Done:
-    """The result of a job.
-
-    Args:
-        maps: paths of the maps, one for each frame or layer that is written to its own file.
-        warning: warning as part of a sentence; empty if there is none.
-        held: files that are held back for other drawings of the command.
-        note: remark for the user as part of a sentence; empty if there is none.
-        partial: whether something in the drawing could not be predicted; the warning says what.
-    """
-
-    maps: list[Path]
-    warning: str = ""
-    held: list[Held] = field(default_factory=list)
-    note: str = ""
-    partial: bool = False
 
 
 @dataclass(frozen=True)
@@ -151,14 +132,19 @@ class JobPredictor:
             InputError: if the drawing cannot be used.
             OSError: if a file cannot be written.
         """
-        files = job.files
-        drawing = _drawing_of(job)
+        own = replace(
+            self, writer=self.writer.apart()
+        )  # a job that fails leaves no files to be written later
+        done = own._done(job)
+        self.writer.held.extend(own.writer.held)
+        return done
+
+    def _done(self, job: Job) -> Done:
+        files, drawing = job.files, _drawing_of(job)
         if self.destinations.by_layers(job):
             shared = self.frame != "own"
             layered = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
-            target = layered_target(job, drawing, self.writer.outputs)
-            maps, warning, held, partial = layered(job, drawing, target)
-            return Done(maps, warning, held, partial=partial)
+            return layered(job, drawing, layered_target(job, drawing, self.writer.outputs))
         if self.destinations.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
         flat = ["it has no layers and is predicted as it is"] if self.destinations.layers else []
@@ -198,24 +184,23 @@ class JobPredictor:
             members.append(member)
             kept.append(job)
         predicted = predict_series(self.predictor, members, True, True, self.size)
-        held: list[Held] = []
+        # They share one scale, as the frames of an animation do.
+        own = replace(self, writer=self.writer.apart())
         for job, member, preds in zip(kept, members, predicted, strict=True):
             if isinstance(preds, InputError):
                 yield job, preds
                 continue
             try:
-                done = self._written(job, self._adapted(preds, member.picture), hold=True)
+                done = own._written(job, self._adapted(preds, member.picture), hold=True)
             except OSError as error:
                 yield job, error
                 continue
-            held += done.held
-            yield job, replace(done, held=[])
-        # They share one scale, as the frames of an animation do.
-        self.writer.write_held(held)
+            yield job, done
+        own.writer.write_held()
 
     def _written(self, job: Job, preds: NormalMap, hold: bool = False) -> Done:
-        held = self.writer.write(job, preds.stronger(self.strength), hold)
-        return Done([job.target], preds.warning, held, partial=preds.partial)
+        self.writer.write(job, preds.stronger(self.strength), hold)
+        return Done([job.target], preds.warning, partial=preds.partial)
 
     def _check_moving(self, drawing: Drawing) -> None:
         """Raise `InputError` if an option is set that only works for a single still picture."""
@@ -337,12 +322,11 @@ class JobPredictor:
         problems = _Problems("page" if pages else "frame")
         moves = outputs.normal.plain and not pages
         pixels: list[NDArray[np.uint8]] = []
-        held: list[Held] = []
         maps: list[Path] = []
         for number, preds in enumerate(self._maps(members, predicted, problems), 1):
             own = job.numbered(number, outputs.ending)
             # All frames share one scale; otherwise a body would rise and sink when an arm is raised.
-            held += self.writer.write_others(own, preds, hold=not pages)
+            self.writer.write_others(own, preds, hold=not pages)
             if moves:
                 pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
@@ -351,8 +335,7 @@ class JobPredictor:
         if len(problems.errors) == len(members):
             raise problems.errors[0]
         if not outputs.whole_batch:
-            self.writer.write_held(held)
-            held = []
+            self.writer.write_held()
         if moves:
             maps = [target]
             moving = encode_animation(kind_of(target), pixels, found.durations, found.loop)
@@ -360,7 +343,7 @@ class JobPredictor:
         warning = "; ".join(filter(None, [found.notes.text, problems.summary(len(members))]))
         # Blank frames are deliberate and do not count as missing.
         partial = found.notes.partial or not all(map(_blank, problems.failed))
-        return Done(maps, warning, held, partial=partial)
+        return Done(maps, warning, partial=partial)
 
     def _maps(
         self, members: Sequence[Member], predicted: Iterable[NormalMap | InputError], problems: "_Problems"

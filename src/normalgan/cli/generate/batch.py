@@ -13,7 +13,7 @@ from normalgan.errors import InputError, RunError, printable, tell, unwritable, 
 from normalgan.inference.forms import parse_form
 from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
 from normalgan.inference.jobs.watching import Watcher
-from normalgan.inference.jobs.writing import Held, MissingFiles, Writer
+from normalgan.inference.jobs.writing import MissingFiles, Writer
 from normalgan.inference.parallel import stream
 from normalgan.inference.predict_job import Destinations, JobPredictor
 from normalgan.inference.predictor import Predictor
@@ -68,7 +68,6 @@ class DrawingBatch:
         self._destinations, self._packing = destinations, destinations.packing
         self._form = None if settings.form is None else parse_form(settings.form)
         self._failed = self._partial = 0
-        self._held: list[Held] = []
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
         """Return the jobs that lack a file; print the number of those that have all."""
@@ -136,7 +135,6 @@ class DrawingBatch:
                     self._failed += 1
                     tell(sentence)
                     continue
-                self._held += outcome.held
                 self._partial += outcome.partial
                 if outcome.warning:
                     tell(f"warning: {job.files.drawing}: {outcome.warning}.")
@@ -205,7 +203,7 @@ class DrawingBatch:
             predicted: number of drawings that were passed to `predict`.
             unusable: number of drawings that were found unusable before.
         """
-        self._writer.write_held(self._held)
+        self._writer.write_held()
         failed, total = self._failed + unusable, predicted + unusable
         if failed:
             tell(f"{failed} of {total} sketches could not be used.")

@@ -14,7 +14,7 @@ from normalgan.errors import InputError, RunError, printable, tell, unwritable, 
 from normalgan.files.writing import probe
 from normalgan.gan import NormalGAN
 from normalgan.inference.jobs.plan import Job, plan
-from normalgan.inference.jobs.writing import Held, Writer
+from normalgan.inference.jobs.writing import Writer
 from normalgan.inference.network.torch_backend import channels_last
 from normalgan.inference.network.upsampling import enlarge, upsampler
 from normalgan.inference.outputs.output_set import Outputs
@@ -40,7 +40,6 @@ class NormalMapWriter(BasePredictionWriter):
         self.strength = strength
         self._jobs: dict[str, Job] = {}
         self._failed = self._total = 0
-        self._held: list[Held] = []
         self._upsample = enlarge
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
@@ -56,7 +55,8 @@ class NormalMapWriter(BasePredictionWriter):
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
         jobs = plan(drawings.files, self.folder, self.outputs.ending, self.outputs.other_endings)
-        self._jobs, self._held = {job.files.drawing.stem: job for job in jobs}, []
+        self._jobs = {job.files.drawing.stem: job for job in jobs}
+        self._writer.held.clear()
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ class NormalMapWriter(BasePredictionWriter):
                     raise sentence from error
                 self._leave_out(sentence)
                 continue
-            self._held += self._writer.write(job, predicted.stronger(self.strength))
+            self._writer.write(job, predicted.stronger(self.strength))
             if predicted.warning:
                 tell(f"warning: {job.files.drawing}: {predicted.warning}.")
 
@@ -109,7 +109,7 @@ class NormalMapWriter(BasePredictionWriter):
         Raises:
             RunError: if some of several drawings were invalid.
         """
-        self._writer.write_held(self._held)
+        self._writer.write_held()
         if trainer.is_global_zero:
             print(printable(f"Normal maps: {self.folder.resolve()}"))
         if self._failed:

@@ -13,7 +13,7 @@ from normalgan.inference.composites.layers import cut, encode_layers, is_plain, 
 from normalgan.inference.composites.series import Member, predict_series, prepare_member
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.jobs.plan import Job, overwritten
-from normalgan.inference.jobs.writing import Held, Writer
+from normalgan.inference.jobs.writing import Done, Writer
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.parallel import result_of, stream
@@ -47,8 +47,8 @@ class LayeredJob:
     strength: float
     sprite: Sprite
 
-    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[list[Path], str, list[Held], bool]:
-        """Predict and write the layers; return maps, warning, held files, and whether a layer is missing.
+    def __call__(self, job: Job, drawing: Drawing, target: Path) -> Done:
+        """Predict and write the layers.
 
         Args:
             job: the job of the layered file.
@@ -68,7 +68,6 @@ class LayeredJob:
         numbers = sorted({layer.number for layer in drawn})
         predicted: list[DecodedLayer] = []
         said = [found.notes.text] if found.notes.text else []
-        held: list[Held] = []
         failed: list[InputError] = []
         written: list[Path] = []
         context = self._context(job, found, drawn)
@@ -78,10 +77,9 @@ class LayeredJob:
                 failed.append(got)
                 said.append(f"layer {name!r}: it is left out, because {str(got).rstrip('.')}")
                 continue
-            layers, warning, waiting, maps = result_of(got)
+            layers, warning, maps = result_of(got)
             predicted += layers
             said += [f"layer {name!r}: {warning}"] if warning else []
-            held += waiting
             written += maps
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
@@ -90,7 +88,7 @@ class LayeredJob:
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
             written = [target]
-        return written, "; ".join(said), held, found.notes.partial or bool(failed)
+        return Done(written, "; ".join(said), partial=found.notes.partial or bool(failed))
 
     def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
         """Return the context of all layers; None for a single layer and for animations."""
@@ -107,15 +105,14 @@ class LayeredJob:
 
     def _predict(
         self, job: Job, found: DecodedLayers, number: int, context: Context | None
-    ) -> tuple[list[DecodedLayer], str, list[Held], list[Path]]:
-        """Return a layer's predictions frame by frame, the warning, the held files and the written maps."""
+    ) -> tuple[list[DecodedLayer], str, list[Path]]:
+        """Return a layer's predictions frame by frame, the warning and the written maps."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         members = [self._member(job, layer, found.shape) for layer in own]
         several = self.shared and len(own) > 1
         predicted: list[DecodedLayer] = []
         said: list[str] = []
-        held: list[Held] = []
         failed: list[InputError] = []
         written: list[Path] = []
         series: Iterable[NormalMap | InputError]
@@ -130,7 +127,7 @@ class LayeredJob:
             said += [preds.warning] if preds.warning else []
             stronger = self.sprite(preds, member.picture).stronger(self.strength)
             each = _job_of(job, layer, outputs.ending, len(found.durations))
-            held += self.writer.write_others(each, stronger)
+            self.writer.write_others(each, stronger)
             if not outputs.normal.plain:
                 self.writer.write_map(each, stronger)
                 written.append(each.target)
@@ -139,7 +136,7 @@ class LayeredJob:
             predicted += [] if inside is None else [inside]
         if len(failed) == len(own):
             raise failed[0]
-        return predicted, said[0] if said else "", held, written
+        return predicted, said[0] if said else "", written
 
     def _member(self, job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
         where = job.files.mask if isinstance(job.files.mask, str) else None
