@@ -191,8 +191,10 @@ class Tools:
             alpha: whether the objects' mask becomes the alpha channel.
         """
         from normalgan.inference.composites.packing import Packing
+        from normalgan.inference.composites.series import Member
         from normalgan.inference.composites.sheets import predict_sheet
         from normalgan.inference.reading.drawings import read_pixels
+        from normalgan.inference.reading.picture import to_picture
 
         with _tool_errors():
             path, target = self._inside(drawing), self._target(output, drawing, atlas)
@@ -202,7 +204,8 @@ class Tools:
             packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
             pixels = read_pixels(path)
             found = packing.cells(pixels, path)
-            preds = predict_sheet(self._load(), pixels, found.cells, said=found.warnings)
+            page = Member(to_picture(pixels))
+            preds = predict_sheet(self._load(), pixels, found.cells, page, said=found.warnings)
             preds.save(target, 8, green, alpha)
         return self._answer(target, preds) | {"sprites": len(found.cells)}
 

@@ -25,7 +25,7 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Done, Writer
-from normalgan.inference.mask.mask_files import OUTLINE, READER, MaskOrSource, load_mask
+from normalgan.inference.mask.mask_files import OUTLINE, READER, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
@@ -245,28 +245,16 @@ class JobPredictor:
 
     def _page(self, job: Job, drawing: Drawing, page: Member, cells: Sequence[Cell]) -> NormalMap:
         """Return the map of a page whose figures are predicted separately."""
-        picture, hints, holes = page.picture, page.hints, page.holes
-        sheet = drawing.pixels()
+        sheet, width = drawing.pixels(), page.picture.shape[1]
         if self.size is not None:
-            shape = fitted(picture.shape, self.size)
-            scale = shape[1] / picture.shape[1]
+            sheet = to_pixels(page.picture.resized(fitted(page.picture.shape, self.size)))
+            scale, hints = sheet.shape[1] / width, page.hints
             if hints is not None:
                 hints = Hints(hints.points * np.float32(scale), hints.normals)
-            holes = [(x * scale, y * scale) for x, y in holes]
-            sheet = to_pixels(picture.resized(shape))
+            page = replace(page, hints=hints, holes=[(x * scale, y * scale) for x, y in page.holes])
         if self.explain is not None:
-            self._explain_figures(job, drawings_in(sheet, cells, hints, page.mask, holes, page.reading))
-        return predict_sheet(
-            self.predictor,
-            sheet,
-            cells,
-            hints,
-            page.mask,
-            holes=holes,
-            reading=page.reading,
-            scale=sheet.shape[1] / picture.shape[1],
-            pixel_art=self.sprite.pixel_art,
-        )
+            self._explain_figures(job, drawings_in(sheet, cells, page))
+        return predict_sheet(self.predictor, sheet, cells, page, scale=sheet.shape[1] / width)
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
         """Write the explanation of the mask of each figure of a page."""
@@ -288,29 +276,20 @@ class JobPredictor:
         sheet = read_pixels(files.drawing, content, self.size or side)
         if self.destinations.packing.tileset is not None:
             return self._tileset(files, sheet)
-        hints, mask = _for_sheet(files, sheet)
+        page = replace(self._whole(sheet, files), holes=self.holes)
         found = self.destinations.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
-        preds = predict_sheet(
-            self.predictor,
-            sheet,
-            found.cells,
-            hints,
-            mask,
-            shared,
-            self.holes,
-            said=found.warnings,
-            pixel_art=self.sprite.pixel_art,
-        )
-        return self._adapted(preds, to_picture(sheet))
+        preds = predict_sheet(self.predictor, sheet, found.cells, page, shared, found.warnings)
+        return self._adapted(preds, page.picture)
 
     def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:
         """Return the map of a tileset; ``own`` is the tile size if the drawing's file stores it."""
         grid = (
             self.destinations.packing.tile_grid(files.drawing, files.below) if own is None else TileGrid(*own)
         )
-        given = self.predictor, sheet, grid, files.drawing, *_for_sheet(files, sheet), self.sprite
-        return _noted(predict_tileset(*given), to_picture(sheet))
+        page = self._whole(sheet, files)
+        preds = predict_tileset(self.predictor, sheet, grid, files.drawing, page, self.sprite)
+        return _noted(preds, page.picture)
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Predict the frames of an animation or the pages of a file, and write their outputs."""
@@ -359,7 +338,16 @@ class JobPredictor:
             yield preds.stronger(self.strength)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
-        return Member(picture, *_hints_and_mask(files, picture.shape), pixel_art=self.sprite.pixel_art)
+        mask = load_mask(files.mask, picture.shape) if isinstance(files.mask, Path) else files.mask
+        hints = as_hints(files.hints, picture.shape)
+        return Member(picture, hints, mask, pixel_art=self.sprite.pixel_art)
+
+    def _whole(self, sheet: Decoded, files: DrawingFiles) -> Member:
+        """Return a sheet as one drawing, with a mask at the sheet's own size."""
+        page = self._member(to_picture(sheet), files)
+        if not isinstance(page.mask, np.ndarray):
+            return page
+        return replace(page, mask=resize(page.mask.astype(np.float32), sheet.shape) > 0.5)
 
 
 @dataclass
@@ -425,14 +413,6 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     return target
 
 
-def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:
-    """Return the hints of a sheet, and its mask (H, W) or mask source."""
-    hints, mask = _hints_and_mask(files, sheet.shape)
-    if isinstance(mask, np.ndarray):
-        mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
-    return hints, mask
-
-
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about the drawing's file added."""
     notes = picture.notes
@@ -445,9 +425,3 @@ def _blank(picture: Picture) -> bool:
     if picture.alpha is not None:
         return not picture.alpha.any()
     return bool((picture.colour == picture.colour[:1, :1]).all())
-
-
-def _hints_and_mask(files: DrawingFiles, shape: tuple[int, int]) -> tuple[Hints | None, MaskOrSource]:
-    """Return the hints of a drawing (H, W), and its mask (h, w) or mask source."""
-    mask = load_mask(files.mask, shape) if isinstance(files.mask, Path) else files.mask
-    return as_hints(files.hints, shape), mask

@@ -17,12 +17,10 @@ from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.findings import Finding, join
 from normalgan.inference.mask.decision import NoRegionError
-from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import SMALLEST
-from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import to_picture
 
 MOST_CELLS = 4096
@@ -77,14 +75,10 @@ def predict_sheet(
     predictor: Predictor,
     sheet: Decoded,
     cells: Sequence[Cell],
-    hints: Hints | None = None,
-    mask: MaskOrSource = None,
+    page: Member,
     shared: bool = False,
-    holes: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
-    reading: Reading | None = None,
     scale: float = 1.0,
-    pixel_art: bool = False,
 ) -> NormalMap:
     """Return the map of a sheet, predicting each cell as if it were a file of its own.
 
@@ -92,29 +86,24 @@ def predict_sheet(
         predictor: the network.
         sheet: pixels of the sheet, not reduced.
         cells: cells of the drawings. Empty and tiny cells stay flat.
-        hints: hints in pixels of the sheet.
-        mask: (H, W), the objects; or the source of the masks, as in `prepare`.
+        page: the sheet as one drawing, whose hints, mask (H, W), holes and reading are divided among the
+            cells. A cell that the reader would see better by itself is read again.
         shared: whether all cells are framed by one square; they must then have the same size.
-        holes: x and y of points whose regions are flipped, in pixels of the sheet; see `prepare`.
         said: other warnings about the sheet, each part of a sentence.
-        reading: the reader's output for the sheet; cells use it that would show the reader no more of their
-            pixels by themselves. None reads each cell.
         scale: pixels of the sheet per pixel of the drawing, in which warnings give places.
-        pixel_art: whether the cells are pixel art; see `Member`.
 
     Raises:
         InputError: if no cell can be predicted, cells that share a frame differ in size, or a hole lies in no
             cell.
     """
-    for x, y in holes:
+    for x, y in page.holes:
         if not any(cell.points([(x, y)]) for cell in cells):
             raise InputError(
                 f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside "
                 "closed lines."
             )
     drawn = [
-        (cell, replace(member, pixel_art=pixel_art))
-        for cell, member in drawings_in(sheet, cells, hints, mask, holes, reading)
+        (cell, replace(member, pixel_art=page.pixel_art)) for cell, member in drawings_in(sheet, cells, page)
     ]
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
@@ -123,7 +112,10 @@ def predict_sheet(
     predicted = predict_series(predictor, [member for _, member in single], shared, shared)
     done = [(cell, each) for (cell, _), each in zip(single, predicted, strict=True)]
     done += _repeated(predictor, [(cell, member) for cell, member in large if cell.tile is not None])
-    done += [(cell, _too_small(cell)) for cell, _ in drawn if min(cell.width, cell.height) < SMALLEST]
+    for cell, _ in drawn:
+        if min(cell.width, cell.height) < SMALLEST:
+            size = f"{cell.width} × {cell.height} pixels; a drawing needs at least {SMALLEST} a side."
+            done.append((cell, InputError(f"it is {size}")))
     for cell, each in done:
         if isinstance(each, NoRegionError):
             ((x, y),) = cell.in_sheet([(each.x, each.y)])
@@ -136,27 +128,18 @@ def predict_sheet(
     return replace(_assembled(sheet.shape, fine, _findings(done, said, scale)), partial=len(fine) < len(done))
 
 
-def drawings_in(
-    sheet: Decoded,
-    cells: Sequence[Cell],
-    hints: Hints | None,
-    mask: MaskOrSource,
-    holes: Sequence[tuple[float, float]],
-    reading: Reading | None = None,
-) -> list[tuple[Cell, Member]]:
+def drawings_in(sheet: Decoded, cells: Sequence[Cell], page: Member) -> list[tuple[Cell, Member]]:
     """Return the non-empty cells of a sheet with their drawings; arguments as in `predict_sheet`."""
     pixels = sheet.pixels
     clear = pixels.ndim == 3 and pixels.shape[2] == 4 and bool(np.ptp(pixels[..., 3]))
-    members = [(cell, _member(cell, pixels, hints, mask, holes, clear)) for cell in cells]
-    return [
-        (cell, member if reading is None else replace(member, reading=_shared(reading, cell, sheet.shape)))
-        for cell, member in members
-        if member is not None
-    ]
+    members = [(cell, _member(cell, pixels, page, clear)) for cell in cells]
+    return [(cell, member) for cell, member in members if member is not None]
 
 
-def _shared(reading: Reading, cell: Cell, shape: tuple[int, int]) -> Reading | None:
+def _shared(reading: Reading | None, cell: Cell, shape: tuple[int, int]) -> Reading | None:
     """Return the part of a sheet's reading in a cell; None if the reader sees more of the cell by itself."""
+    if reading is None:
+        return None
     # The sides of a reading are rounded, by less than a tenth.
     if shown_share(max(cell.width, cell.height)) > 1.1 * reading.ink.shape[1] / shape[1] or cell.turned:
         return None
@@ -180,14 +163,7 @@ def _repeated(
         yield cell, got if isinstance(got, InputError) else result_of(got)
 
 
-def _member(
-    cell: Cell,
-    pixels: DecodedPixels,
-    hints: Hints | None,
-    mask: MaskOrSource,
-    holes: Sequence[tuple[float, float]],
-    clear: bool,
-) -> Member | None:
+def _member(cell: Cell, pixels: DecodedPixels, page: Member, clear: bool) -> Member | None:
     """Return the drawing in a cell of a sheet that has ``clear`` parts or none; None if the cell is empty."""
     part = pixels[cell.box].copy()
     if cell.own is not None and not cell.own.all():
@@ -195,20 +171,16 @@ def _member(
     part = np.ascontiguousarray(cell.upright(part))
     if not part[..., 3].any() if clear else (part == part[:1, :1]).all():
         return None
-    own = cell.upright(mask[cell.box]) if isinstance(mask, np.ndarray) else mask
+    own = cell.upright(page.mask[cell.box]) if isinstance(page.mask, np.ndarray) else page.mask
     if isinstance(own, np.ndarray) and not own.any():
         return None
     picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
     if clear:
         opacity = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
         picture = replace(picture, alpha=opacity, cut_out=True)
-    return Member(picture, None if hints is None else cell.local(hints), own, cell.points(holes))
-
-
-def _too_small(cell: Cell) -> InputError:
-    return InputError(
-        f"it is {cell.width} × {cell.height} pixels; a drawing needs at least {SMALLEST} a side."
-    )
+    hints = None if page.hints is None else cell.local(page.hints)
+    reading = _shared(page.reading, cell, (pixels.shape[0], pixels.shape[1]))
+    return Member(picture, hints, own, cell.points(page.holes), reading)
 
 
 def _ground(part: DecodedPixels, own: BoolMask) -> NDArray[np.generic]:

@@ -12,9 +12,9 @@ from normalgan.decoding import Decoded
 from normalgan.graphs import connected
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.series import Member
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
-from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.predictor import Predictor
@@ -42,8 +42,7 @@ def predict_tileset(
     sheet: Decoded,
     grid: TileGrid,
     name: object,
-    hints: Hints | None = None,
-    mask: MaskOrSource = None,
+    page: Member | None = None,
     sprite: Sprite | None = None,
 ) -> NormalMap:
     """Return the map of a tileset, in which tiles match wherever the drawn tiles do.
@@ -57,8 +56,7 @@ def predict_tileset(
         sheet: pixels of the tileset, not reduced.
         grid: positions of the tiles.
         name: file name for messages.
-        hints: hints in pixels of the sheet.
-        mask: (H, W), the objects; or the source of the masks, as in `prepare`.
+        page: the sheet as one drawing, with its hints and its mask (H, W); None has neither.
         sprite: adapts the map to painted tiles; None leaves it as predicted.
 
     Raises:
@@ -70,12 +68,11 @@ def predict_tileset(
     picture = to_picture(packed)
     drawn, opacity = _drawn(picture, grid)
     tiles = _Tiles.of(picture, drawn, grid)
+    hints, mask = (None, None) if page is None else (page.hints, page.mask)
     own = mask[np.ix_(rows, columns)] if isinstance(mask, np.ndarray) else mask
     own = opacity > 0.5 if own is None and opacity is not None else own
-    preds = predict_sheet(
-        *(predictor, packed, tiles.cells(), _packed_hints(hints, rows, columns), own),
-        said=[said] if said else [],
-    )
+    member = Member(picture, _packed_hints(hints, rows, columns), own)
+    preds = predict_sheet(predictor, packed, tiles.cells(), member, said=[said] if said else [])
     if mask is None and opacity is not None:
         preds = replace(preds, mask=opacity > 0.5, alpha=opacity)
     preds = replace(preds, extended=tiles.fitted(preds.extended, preds.mask))
