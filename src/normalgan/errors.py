@@ -6,7 +6,8 @@ import json
 import re
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,6 +45,21 @@ class CommandExit(SystemExit):
 def unwritable(sentence: str, error: OSError) -> InputError:
     """Return the error for a file that could not be written."""
     return (RunError if error.errno in {errno.ENOSPC, errno.EDQUOT} else InputError)(sentence)
+
+
+@contextmanager
+def writing(what: str, place: object = None) -> Iterator[None]:
+    """Convert an `OSError` within the context to the error for something that could not be written.
+
+    Args:
+        what: subject of the sentence, such as ``the map``.
+        place: where it is written; None names the file of the error.
+    """
+    try:
+        yield
+    except OSError as error:
+        there = error.filename if place is None else place
+        raise unwritable(f"{what} cannot be written to {there}: {error.strerror}.", error) from error
 
 
 def wants_memory(error: BaseException) -> bool:

@@ -82,6 +82,7 @@ def markdown(
 ) -> str:
     """Return all tables of the results so far, preceded by the hashes of the test data if given."""
     bare, hinted = "0", str(plan.hints)
+    by_count = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
     sections = [
         _introduction(plan, scale, results, specification),
         _accuracy(plan, results, f"Table 1: {plan.hints} hints, uniform, the same for every method", hinted),
@@ -98,7 +99,7 @@ def markdown(
             _section(title, plan, results, columns, notes)
             for title, columns, notes in _further(plan, results)
         ),
-        _hint_counts(plan, results),
+        _section("Mean angular error by the number of hints", plan, results, by_count),
         _section("What it costs", plan, results, cost_cells(), _machines(results)),
     ]
     return "\n".join(line for section in sections for line in section) + "\n"
@@ -285,11 +286,6 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns, str]
     if any(ADVERSARIAL_SHARE in run["curve"][-1] for run in _runs(results) if run["curve"]):
         title = "Adversarial gradient relative to the reconstruction's, at the generator's weights"
         yield title, {"first": share_cell(0), "last": share_cell(-1)}, ""
-
-
-def _hint_counts(plan: Plan, results: Results) -> list[str]:
-    columns = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
-    return _section("Mean angular error by the number of hints", plan, results, columns)
 
 
 def _section(title: str, plan: Plan, results: Results, columns: _Columns, notes: str = "") -> list[str]:

@@ -1,7 +1,7 @@
 """Checkpoints: atomic writing, and checks before use."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -187,12 +187,6 @@ def check_others(
                 f"{folder} holds checkpoints of another run, such as {there.name}; "
                 "give the callback that names it another dirpath or filename."
             )
-
-
-def check_sizes(path: Path, settings: Mapping[str, Any], size: int) -> None:
-    """Check the picture size of the networks against that of the data; see `check_size`."""
-    for network in ("generator", "discriminator"):
-        check_size(path, ((settings.get(network) or {}).get("init_args") or {}).get("size"), size)
 
 
 def check_size(path: Path, trained: int | None, size: int) -> None:

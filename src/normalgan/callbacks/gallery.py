@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from torch import Tensor
 from normalgan.arrays import BoolMask, Floats
 from normalgan.batch import Batch
 from normalgan.errors import InputError
-from normalgan.files.writing import write_bytes
 from normalgan.normals import angles, encode, normalize, paint_flat
 
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
@@ -170,11 +168,6 @@ def draw_gallery(rows: Sequence[Row]) -> bytes:
     labels[0].set_horizontalalignment("left")
     labels[-1].set_horizontalalignment("right")
     return sheet.png()
-
-
-def write_gallery(path: str | Path, rows: Sequence[Row]) -> None:
-    """Write the gallery as a PNG file."""
-    write_bytes(path, draw_gallery(rows))
 
 
 def _draw_row(row: Row, axes: Sequence[Axes]) -> AxesImage:

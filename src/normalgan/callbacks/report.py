@@ -11,7 +11,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.callbacks.gallery import Row, batch_row, write_gallery
+from normalgan.callbacks.gallery import Row, batch_row, draw_gallery
 from normalgan.callbacks.table import results_table
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
@@ -122,7 +122,7 @@ class TestReport(Callback):
         measured = self._measured(trainer, pl_module)
         folder = _folder(Path(trainer.default_root_dir) / "test", measured)
         write_bytes(folder / "metrics.json", _json(measured, results))
-        write_gallery(folder / "gallery.png", self._rows)
+        write_bytes(folder / "gallery.png", draw_gallery(self._rows))
         count = f"{self._total} sample{'s' if self._total > 1 else ''}"
         print(f"\n{results_table(results, f'Test split, {count}', self.metrics)}\n")
         print(printable(f"Metrics: {(folder / 'metrics.json').resolve()}"))

@@ -7,7 +7,7 @@ from jsonargparse import Namespace
 
 from normalgan.cli.parsing.light_parser import LightParser, refuse_empty
 from normalgan.cli.parsing.number_types import Strength
-from normalgan.errors import InputError, printable, unwritable
+from normalgan.errors import InputError, printable, writing
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.outputs.height import Height
@@ -38,7 +38,7 @@ def run(arguments: list[str]) -> int:
     found = found.stronger(settings.strength)
     if settings.detail is not None:
         found = with_detail(found, read_map(settings.detail, settings.detail_y))
-    try:
+    with writing("the map", output):
         if settings.to == "height":
             form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
             if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
@@ -49,8 +49,6 @@ def run(arguments: list[str]) -> int:
             write_bytes(output, height.encode(found)[height.endings[0]])
         else:
             found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
-    except OSError as error:
-        raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
     print(printable(output))
     return 0
 

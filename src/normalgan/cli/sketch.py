@@ -13,7 +13,7 @@ from normalgan.animals import SPECIES, Animal
 from normalgan.cli.parsing.errors import refusal
 from normalgan.cli.parsing.light_parser import LightParser, refuse_empty
 from normalgan.cli.parsing.number_types import Degrees, Margin, Side
-from normalgan.errors import InputError, did_you_mean, printable, unwritable
+from normalgan.errors import InputError, did_you_mean, printable, writing
 from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_grey, encode_png, paint_flat
 from normalgan.registry import Registry
@@ -62,7 +62,7 @@ def run(arguments: list[str]) -> int:
     if not strokes:
         where = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
         raise no_lines(settings.lines, where, settings.size)
-    try:
+    with writing("the drawing"):
         if kind == ".svg":
             write_bytes(settings.output, to_svg(strokes, settings.size).encode())
         else:
@@ -72,10 +72,6 @@ def run(arguments: list[str]) -> int:
             # With alpha, because by colour alone a hole looks like a surface that faces the viewer.
             flat = paint_flat(maps.normal, maps.mask)
             write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
-    except OSError as error:
-        raise unwritable(
-            f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
-        ) from error
     for path in (settings.output, settings.normal):
         if path is not None:
             print(printable(path))

@@ -10,7 +10,7 @@ from jsonargparse import Namespace
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.parsing.number_types import ModelSide
-from normalgan.errors import InputError, RunError, printable, unwritable
+from normalgan.errors import InputError, RunError, printable, writing
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
@@ -104,12 +104,8 @@ def _export(options: Namespace, target: Path) -> str:
         content = form.halve(content)
         mean, most = turn_in_degrees(model, form.read(content))
         said += f"; half precision turns its normals by {mean:.3f}° in the mean and {most:.2f}° at most"
-    try:
+    with writing("the model"):
         write_bytes(target, content)
-    except OSError as error:
-        raise unwritable(
-            f"the model cannot be written to {error.filename}: {error.strerror}.", error
-        ) from error
     return f"{printable(target)}\n{model.name}, {model.size} pixels, {len(content) / 1e6:.1f} MB; {said}."
 
 

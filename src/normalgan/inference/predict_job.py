@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from normalgan.decoding import Decoded
 from normalgan.decoding.decoders.svg import is_svg
 from normalgan.errors import InputError
-from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
+from normalgan.inference.composites.animation import KINDS, PAGES, encode_animation
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import figures_of
 from normalgan.inference.composites.layered_job import LayeredJob, files_of_layers, layered_target
@@ -317,7 +317,8 @@ class JobPredictor:
             self.writer.write_held()
         if moves:
             maps = [target]
-            moving = encode_animation(kind_of(target), pixels, found.durations, found.loop)
+            kind = KINDS.get(target.suffix.lower(), "png")
+            moving = encode_animation(kind, pixels, found.durations, found.loop)
             self.writer.sink(target, moving)
         warning = "; ".join(filter(None, [found.notes.text, problems.summary(len(members))]))
         # Blank frames are deliberate and do not count as missing.

@@ -1,8 +1,7 @@
 """The model in a checkpoint, read with checks of all settings and without importing anything."""
 
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
@@ -24,7 +23,7 @@ from normalgan.registry import Registry, class_path, find_imported
 from normalgan.weights.class_spec import ANY_NUMBER, LARGEST_SETTING, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.metadata import ModelMetadata
-from normalgan.weights.network import check_fit
+from normalgan.weights.network import check_fit, naming_model
 
 REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST_SETTING),
@@ -92,7 +91,7 @@ class Checkpoint:
                 f"{self.path} does not say the size of its pictures; give the --data.size of its training, "
                 "as --size to export or as size=… to normalgan.load."
             )
-        with _named(self.path):
+        with naming_model(self.path):
             generator = _part("generator", self.settings["generator"])
             tensors = self.tensors_of("generator")
             check_fit(generator, tensors, GENERATORS)
@@ -129,7 +128,7 @@ class Checkpoint:
             InputError: if the settings contain anything but plain values, registered classes, and already
                 imported optimisers and schedules, or if networks and tensors do not match.
         """
-        with _named(self.path):
+        with naming_model(self.path):
             self._check_callbacks()
             settings = {name: _configuration(name, value) for name, value in self.settings.items()}
             for name in ("generator", "discriminator"):
@@ -249,15 +248,6 @@ def uncompiled(name: str) -> str:
     'generator.stem.weight'
     """
     return name.replace(_COMPILED, "")
-
-
-@contextmanager
-def _named(path: Path) -> Iterator[None]:
-    """Add the file to errors about building its model."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"the model in {path} cannot be built here: {error}") from error
 
 
 def _part(name: str, value: Any) -> ClassSpec:

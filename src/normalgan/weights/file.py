@@ -17,7 +17,7 @@ from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.limits import read_named
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
-from normalgan.weights.network import build_generator, check_fit
+from normalgan.weights.network import build_generator, check_fit, naming_model
 
 _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
@@ -88,14 +88,13 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
             "`normalgan export` wrote."
         ) from None
     try:
-        notes = ModelMetadata.parse(metadata)
-        check_fit(notes.generator, tensors, GENERATORS)
+        with naming_model(name):
+            notes = ModelMetadata.parse(metadata)
+            check_fit(notes.generator, tensors, GENERATORS)
     except KeyError:
         raise InputError(
             f"{name} holds weights of another program; give a file that `normalgan export` wrote."
         ) from None
-    except InputError as error:
-        raise InputError(f"the model in {name} cannot be built here: {error}") from error
     return Weights(notes, tensors)
 
 

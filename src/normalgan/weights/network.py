@@ -53,6 +53,15 @@ def build_generator(part: ClassSpec, tensors: Tensors) -> Generator:
 
 
 @contextmanager
+def naming_model(place: object) -> Iterator[None]:
+    """Add the file to errors about building its model."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"the model in {place} cannot be built here: {error}") from error
+
+
+@contextmanager
 def _at_most(parameters: int) -> Iterator[None]:
     """Refuse to build a network with too many parameters."""
     seen = 0

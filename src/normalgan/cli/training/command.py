@@ -60,10 +60,8 @@ from normalgan.cli.training.slurm import check_left_behind, requeued_on_signal, 
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
-    check_measures,
     check_strategy,
     check_trainer,
-    check_trains,
     keep_earlier_logs,
     refused_by_lightning,
 )
@@ -73,6 +71,7 @@ from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.output_set import outputs_of
 from normalgan.warning_filters import filter_warnings
+from normalgan.weights.network import naming_model
 
 _OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
 _DEFAULTS = {
@@ -234,8 +233,7 @@ class NormalGANCLI(LightningCLI):
             config["ckpt_path"] = str(resumed)
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
-        check_trainer(config["trainer"])
-        check_measures(config["trainer"], command)
+        check_trainer(config["trainer"], command)
         check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
@@ -245,7 +243,6 @@ class NormalGANCLI(LightningCLI):
         if command in {"fit", "test"}:
             check_writable(checkpoints.parent)
         if command == "fit":
-            check_trains(config["trainer"])
             check_unused(checkpoints, resumed)
             # The other processes of a run share its folder.
             if rank_zero_only.rank == 0:  # type: ignore[attr-defined]
@@ -317,11 +314,9 @@ class NormalGANCLI(LightningCLI):
             warnings.warn(
                 f"{saved.path} was trained with other settings, which are kept: {names}.", stacklevel=2
             )
-        try:
+        with naming_model(saved.path):
             # Parsed again, because the saved classes may differ from the given ones.
             self.config = self.parser.parse_object(saved.settings, self.config)
-        except InputError as error:
-            raise InputError(f"the model in {saved.path} cannot be built here: {error}") from error
 
 
 def run(arguments: list[str]) -> int:

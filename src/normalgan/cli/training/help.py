@@ -28,38 +28,26 @@ SECTIONS = {
 ALL = "all"
 """Section name that selects the settings of all sections."""
 
-_MOST_USED = {
-    "--config NAME|FILE": "YAML file of settings, or a shipped one such as paper; can be repeated",
-    "--data.meshes PATH": "folder, file or pattern of training meshes",
-    "--data.source CLASS": "source of training data other than meshes, such as Pairs",
-    "--data.prediction.sketches PATH": "drawings to predict",
-    "--output.folder FOLDER": "output folder of the normal maps",
-    "--data.size PIXELS": "side of the pictures in pixels",
-    "--data.batch_size N": "number of samples per training step",
-    "--trainer.max_epochs N": "duration of training",
-    "--trainer.default_root_dir FOLDER": "folder of the run",
-    "--model.generator CLASS": "the network that predicts",
-    "--model.hint_sampler CLASS": "sampler that places hints during training",
-    "--ckpt_path FILE|last|best": "model to resume, measure or predict with",
-    "--seed_everything N": "seed of the run",
-    "--print_config": "print the resulting settings and exit",
-    "--safe-config": "only let configurations name known classes",
+_SAMPLES, _MODEL = ("fit", "validate", "test", "render"), ("fit", "validate", "test", "predict")
+_ALL = tuple(COMMANDS)
+_MOST_USED: dict[str, tuple[tuple[str, ...], str]] = {
+    "--config NAME|FILE": (_ALL, "YAML file of settings, or a shipped one such as paper; can be repeated"),
+    "--data.meshes PATH": (_SAMPLES, "folder, file or pattern of training meshes"),
+    "--data.source CLASS": (_SAMPLES, "source of training data other than meshes, such as Pairs"),
+    "--data.prediction.sketches PATH": (("predict",), "drawings to predict"),
+    "--output.folder FOLDER": (("predict",), "output folder of the normal maps"),
+    "--data.size PIXELS": (_ALL, "side of the pictures in pixels"),
+    "--data.batch_size N": (("fit",), "number of samples per training step"),
+    "--trainer.max_epochs N": (("fit",), "duration of training"),
+    "--trainer.default_root_dir FOLDER": (_MODEL, "folder of the run"),
+    "--model.generator CLASS": (("fit",), "the network that predicts"),
+    "--model.hint_sampler CLASS": (("fit",), "sampler that places hints during training"),
+    "--ckpt_path FILE|last|best": (_MODEL, "model to resume, measure or predict with"),
+    "--seed_everything N": (("fit",), "seed of the run"),
+    "--print_config": (_ALL, "print the resulting settings and exit"),
+    "--safe-config": (_ALL, "only let configurations name known classes"),
 }
-_SAMPLES, _MODEL = frozenset({"fit", "validate", "test", "render"}), frozenset(COMMANDS) - {"render"}
-_USED_BY = {
-    "--data.meshes PATH": _SAMPLES,
-    "--data.source CLASS": _SAMPLES,
-    "--data.prediction.sketches PATH": {"predict"},
-    "--output.folder FOLDER": {"predict"},
-    "--data.batch_size N": {"fit"},
-    "--trainer.max_epochs N": {"fit"},
-    "--trainer.default_root_dir FOLDER": _MODEL,
-    "--model.generator CLASS": {"fit"},
-    "--model.hint_sampler CLASS": {"fit"},
-    "--ckpt_path FILE|last|best": _MODEL,
-    "--seed_everything N": {"fit"},
-}
-"""The commands that use a setting; settings not listed here are used by all."""
+"""The most used settings, with the commands that use them and their descriptions."""
 
 
 def asked_for(arguments: Sequence[str]) -> tuple[list[str], str | None]:
@@ -110,9 +98,7 @@ def overview(command: str) -> str:
             f"{does[0].upper()}{does[1:]}.",
             "",
             "Most used:",
-            *_rows(
-                {name: what for name, what in _MOST_USED.items() if command in _USED_BY.get(name, COMMANDS)}
-            ),
+            *_rows({name: what for name, (users, what) in _MOST_USED.items() if command in users}),
             "",
             "All settings, by section:",
             *_rows(see),

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
+from normalgan.errors import InputError, RunError, printable, tell, with_subject, writing
 from normalgan.files.writing import probe
 from normalgan.gan import NormalGAN
 from normalgan.inference.jobs.plan import Job, plan
@@ -58,13 +58,9 @@ class NormalMapWriter(BasePredictionWriter):
         self._jobs = {job.files.drawing.stem: job for job in jobs}
         self._writer.held.clear()
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
-        try:
+        with writing("the normal maps", self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             probe(self.folder)
-        except OSError as error:
-            raise unwritable(
-                f"the normal maps cannot be written to {self.folder}: {error.strerror}.", error
-            ) from None
         for sentence in drawings.unusable:
             self._leave_out(sentence)
 

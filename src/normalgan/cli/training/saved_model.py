@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from normalgan.callbacks.checkpoints import check_size, check_sizes, checkpoint_folder, named_checkpoint
+from normalgan.callbacks.checkpoints import check_size, checkpoint_folder, named_checkpoint
 from normalgan.errors import InputError, tell
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
+from normalgan.weights.network import naming_model
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME, find_model
 
 
@@ -92,7 +93,8 @@ def read_saved_model(path: Path, command: str, size: int, default_size: int) -> 
     checkpoint = read_checkpoint(path)
     if command == "fit":
         trained = checkpoint.training_settings()
-        check_sizes(path, trained, size)
+        for network in ("generator", "discriminator"):
+            check_size(path, ((trained.get(network) or {}).get("init_args") or {}).get("size"), size)
         return SavedModel(path, trained, checkpoint=checkpoint)
     if size == default_size:
         return _to_predict(path, command, checkpoint.weights(checkpoint.trained_size() or size))
@@ -101,10 +103,8 @@ def read_saved_model(path: Path, command: str, size: int, default_size: int) -> 
 
 
 def _to_predict(path: Path, command: str, weights: Weights) -> SavedModel:
-    try:
+    with naming_model(path):
         trained = weights.notes.settings(measured=command != "predict")
-    except InputError as error:
-        raise InputError(f"the model in {path} cannot be built here: {error}") from error
     return SavedModel(path, trained, weights=weights)
 
 

@@ -24,10 +24,12 @@ _INSTEAD = {
     "accumulate_grad_batches": "a larger data.batch_size",
 }
 """Trainer settings that have no effect under manual optimisation, and what to use instead."""
-_LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
-"""Trainer settings that limit the duration of training."""
-_MEASURED = {"validate": "limit_val_batches", "test": "limit_test_batches"}
-"""Trainer setting that limits the number of batches that a command measures."""
+_LENGTHS = {
+    "fit": ("max_epochs", "max_steps", "limit_train_batches"),
+    "validate": ("limit_val_batches",),
+    "test": ("limit_test_batches",),
+}
+"""Trainer settings that limit what a command trains on or measures."""
 _PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
 """Names of strategies that do not look for parameters unused in a step."""
 _OF_A_COMMAND = ("ckpt_path", "weights_only")
@@ -43,8 +45,10 @@ _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
 """The devices that an accelerator's name may stand for; the CPU is always available."""
 
 
-def check_trainer(settings: Mapping[str, Any]) -> None:
-    """Check that settings work with manual optimisation, and that the device is available.
+def check_trainer(settings: Mapping[str, Any], command: str) -> None:
+    """Check that settings suit manual optimisation and this machine, and that the command does anything.
+
+    Without batches, a command would end as if it had trained or measured.
 
     Raises:
         InputError: if a setting does not work; the message names what to use instead.
@@ -59,31 +63,14 @@ def check_trainer(settings: Mapping[str, Any]) -> None:
             f"trainer.accelerator is {wanted}, which PyTorch {torch.__version__} does not find on this "
             "machine; use cpu or auto, or install a build of PyTorch for it."
         )
-
-
-def check_trains(settings: Mapping[str, Any]) -> None:
-    """Check that the settings train at all; otherwise ``fit`` would end as if it had trained.
-
-    Raises:
-        InputError: if a setting limits training to nothing.
-    """
-    for name in _LENGTHS:
+    does, more = "measure", ""
+    if command == "fit":
+        does, more = "train", " To only render samples, use normalgan render."
+    for name in _LENGTHS.get(command, ()):
         if settings[name] == 0:
             raise InputError(
-                f"trainer.{name} is 0, so fit would train nothing; increase or omit it. "
-                "To only render samples, use normalgan render."
+                f"trainer.{name} is 0, so {command} would {does} nothing; increase or omit it.{more}"
             )
-
-
-def check_measures(settings: Mapping[str, Any], command: str) -> None:
-    """Check that ``validate`` and ``test`` measure at all; otherwise they would end without a figure.
-
-    Raises:
-        InputError: if a setting leaves no batch to measure.
-    """
-    name = _MEASURED.get(command)
-    if name is not None and settings[name] == 0:
-        raise InputError(f"trainer.{name} is 0, so {command} would measure nothing; increase or omit it.")
 
 
 def check_strategy(trainer: Trainer, given: object) -> None:

@@ -19,6 +19,8 @@ Kind = Literal["gif", "webp", "png"]
 """Formats of animations; APNG has the ending .png too."""
 PAGES: Literal["pages"] = "pages"
 """Returned instead of an animation's kind for a file with several pages, which are not a sequence in time."""
+KINDS: dict[str, Kind] = {".gif": "gif", ".webp": "webp"}
+"""The kinds of animations by file extension; any other is an APNG."""
 _MOST_CHUNKS = 1000
 _EXTENSION, _CONTROL, _IMAGE, _END = 0x21, 0xF9, 0x2C, 0x3B
 
@@ -55,17 +57,6 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
         return "gif" if _frames_of_gif(path, content or read_bounded(path, MOST_BYTES)) > 1 else None
     except OSError:
         return None  # the error is raised when the drawing is read
-
-
-def kind_of(path: Path) -> Kind:
-    """Return the kind of an animation from its file name."""
-    match path.suffix.lower():
-        case ".gif":
-            return "gif"
-        case ".webp":
-            return "webp"
-        case _:
-            return "png"
 
 
 def count_parts(content: bytes) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from normalgan.errors import InputError, unwritable
+from normalgan.errors import InputError, writing
 from normalgan.files.writing import probe
 from normalgan.inference.jobs.folders import find_drawings, search
 from normalgan.inference.mask.mask_files import ENDINGS as MASK_ENDINGS
@@ -228,12 +228,8 @@ def check_writable(jobs: Sequence[Job]) -> None:
         raise InputError(f"the normal map cannot be written to {target}: it is a folder.")
     for folder in {job.target.parent for job in jobs}:
         there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
-        try:
+        with writing("the normal map", folder):
             probe(there)
-        except OSError as error:
-            raise unwritable(
-                f"the normal map cannot be written to {folder}: {error.strerror}.", error
-            ) from None
 
 
 def overwritten(path: Path) -> InputError:

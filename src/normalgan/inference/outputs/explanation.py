@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from normalgan.errors import unwritable
+from normalgan.errors import writing
 from normalgan.files.writing import write_bytes
 from normalgan.inference.cleaning.reader import over_paper
 from normalgan.inference.normal_map import NormalMap
@@ -40,11 +40,9 @@ def write_explanation(
         **({} if prepared.decision is None else prepared.decision.explain()),
         "mask": np.where(preds.mask, 255, 0).astype(np.uint8),
     }
-    try:
+    with writing("the explanation", folder):
         folder.mkdir(parents=True, exist_ok=True)
         for number, stage in enumerate(STAGES, 1):
             if stage in stages:
                 pixels = stages[stage] if stages[stage].ndim == 2 else stages[stage][..., ::-1]
                 write_bytes(folder / f"{stem}_{number}_{stage}.png", pack_png(pixels))
-    except OSError as error:
-        raise unwritable(f"the explanation cannot be written to {folder}: {error.strerror}.", error) from None

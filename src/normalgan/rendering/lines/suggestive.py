@@ -43,11 +43,10 @@ class SuggestiveContours(OutlinedDrawing):
 
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
         """Return the suggestive contours; see `OutlinedDrawing._draw_inside`."""
-        return [
-            draw_curve(line, buffers, self.interior_width)
-            for line in self._inside(buffers, distance)
-            if self._says_more(line, distance, buffers.side)
-        ]
+        lines = self._inside(buffers, distance)
+        # Lines beside a contour would only duplicate it.
+        apart = [ln for ln in lines if distance[tuple(ln.pixels.T)].mean() > self.apart * buffers.side]
+        return [draw_curve(line, buffers, self.interior_width) for line in apart]
 
     def _inside(self, buffers: Buffers, distance: Floats) -> list[Line]:
         """Return the inner lines, given each pixel's ``distance`` to the contours."""
@@ -58,10 +57,6 @@ class SuggestiveContours(OutlinedDrawing):
         bend *= side * side
         deep = known & (f < np.cos(np.deg2rad(self.theta))) & (bend > self.strength / 3)
         return _zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
-
-    def _says_more(self, line: Line, distance: Floats, side: int) -> bool:
-        """Return whether a line keeps away from contours, which it would otherwise only duplicate."""
-        return bool(distance[tuple(line.pixels.T)].mean() > self.apart * side)
 
 
 _ROUNDING = 1e-6  # smaller slopes of n·v are rounding errors of single precision, and planes have no valleys
