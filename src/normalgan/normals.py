@@ -34,8 +34,7 @@ def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
     """
     vectors = vectors.astype(np.float32)
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    unit: Floats = np.where(length > eps, vectors / np.maximum(length, eps), 0).astype(np.float32)
-    return unit
+    return np.where(length > eps, vectors / np.maximum(length, eps), 0).astype(np.float32)
 
 
 def angles(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.floating]:

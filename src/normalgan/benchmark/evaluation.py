@@ -156,8 +156,7 @@ class Evaluation:
         if method.takes_hints:
             where = hint_points(batch["mask"], batch["name"], self.plan.hint_seed, self.plan.hints)
             hints = hints_at(batch["normal"], where)
-        predicted: Floats = method.predict(batch, hints)[:, :3].cpu().numpy()
-        return predicted
+        return method.predict(batch, hints)[:, :3].cpu().numpy()
 
     def batches(self) -> Iterator[Batch]:
         """Yield the test split in order."""

@@ -72,8 +72,7 @@ def _fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floa
         area = mask & (cv2.dilate(area.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
     white = rng.uniform(0.8, 1.0) if rng.random() < 0.7 else 0.0
     inner = cv2.erode(area.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
-    filled: Floats = np.where(inner, 1.0 - white * ink, np.maximum(ink, area)).astype(np.float32)
-    return filled
+    return np.where(inner, 1.0 - white * ink, np.maximum(ink, area)).astype(np.float32)
 
 
 def _enclosed(ink: Floats, mask: BoolMask, rng: _Rng) -> BoolMask:

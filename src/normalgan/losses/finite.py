@@ -76,8 +76,7 @@ def async_to_cpu(values: Tensor) -> Callable[[], list[float]]:
 
     def read() -> list[float]:
         arrived.synchronize()
-        there: list[float] = here.tolist()
-        return there
+        return here.tolist()
 
     return read
 

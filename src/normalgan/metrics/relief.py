@@ -196,8 +196,7 @@ class GradientRatio(ReliefMetric):
 
     def value(self) -> Tensor:
         """Return the ratio."""
-        ratio: Tensor = self.variation[0].float() / self.variation[1]
-        return ratio
+        return self.variation[0].float() / self.variation[1]
 
 
 def relief_metrics() -> list[MapMetric]:

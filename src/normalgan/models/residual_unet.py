@@ -194,8 +194,7 @@ def convolve_patches(pixels: Tensor, weight: Tensor, bias: Tensor | None, patch:
         bias: (O,), or None.
         patch: side of the patches.
     """
-    features: Tensor = F.conv2d(pixels, F.pixel_shuffle(weight, patch), bias, stride=patch, padding=patch)
-    return features
+    return F.conv2d(pixels, F.pixel_shuffle(weight, patch), bias, stride=patch, padding=patch)
 
 
 def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> Tensor:

@@ -92,8 +92,7 @@ def _smooth_noise(shape: tuple[int, ...], sigma: float, rng: np.random.Generator
     noise = rng.standard_normal(shape, dtype=np.float32)
     noise = np.asarray(cv2.GaussianBlur(noise, (0, 0), sigma, borderType=cv2.BORDER_REFLECT), np.float32)
     # Blurred white noise has a variance of 1 / (4 π σ²), but less for a small kernel, so it is measured.
-    result: Floats = noise / max(float(noise.std()), 1e-6)
-    return result
+    return noise / max(float(noise.std()), 1e-6)
 
 
 def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) -> Floats:

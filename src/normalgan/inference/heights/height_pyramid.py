@@ -45,5 +45,4 @@ def double(height: Vectors, normals: Vectors) -> Vectors:
     facing = np.maximum(normals[..., 2], _STEEPEST)
     right = np.where(np.arange(columns) % 2, 0.5, -0.5)[None]
     up = np.where(np.arange(rows) % 2, -0.5, 0.5)[:, None]
-    doubled: Vectors = coarse - (normals[..., 0] * right + normals[..., 1] * up) / facing
-    return doubled
+    return coarse - (normals[..., 0] * right + normals[..., 1] * up) / facing

@@ -227,8 +227,7 @@ def _region_sums(labels: NDArray[Any], count: int, *marked: BoolMask) -> NDArray
 def _near(marked: BoolMask, reach: float, metric: int) -> BoolMask:
     """Return the pixels (H, W) at most ``reach`` from a marked one; ``metric`` is OpenCV's mask size."""
     if reach <= _WINDOW:
-        found: BoolMask = cv2.dilate(marked.view(np.uint8), _disc(reach, metric)) > 0
-        return found
+        return cv2.dilate(marked.view(np.uint8), _disc(reach, metric)) > 0
     return np.asarray(cv2.distanceTransform((~marked).view(np.uint8), cv2.DIST_L2, metric) <= reach)
 
 

@@ -184,8 +184,7 @@ def _one_surface(maps: Maps) -> BoolMask:
     spread = cv2.dilate(maps.normal, square, anchor=corner) - cv2.erode(maps.normal, square, anchor=corner)
     alike = cv2.inRange(spread, (-1.0,) * 3, (_SAME_SURFACE,) * 3)
     whole = cv2.erode(maps.mask.astype(np.uint8), square, anchor=corner)
-    one: BoolMask = (alike > 0) & (whole > 0)
-    return one
+    return (alike > 0) & (whole > 0)
 
 
 def _sort_out(maps: Maps, x: Floats, y: Floats, left: Indices, top: Indices) -> tuple[Floats, Floats]:

@@ -289,8 +289,7 @@ def _lifted(count: int, taper: float) -> Doubles:
     reach = max(1.0, min(_TAPER / STEP, 0.4 * count))
     index = np.arange(count)
     start, end = (np.clip(distance / reach, 0, 1) for distance in (index, count - 1 - index))
-    factor: Doubles = (1 - _START_TAPER * taper * (1 - start) ** 2) * (1 - taper * (1 - end) ** 2)
-    return factor
+    return (1 - _START_TAPER * taper * (1 - start) ** 2) * (1 - taper * (1 - end) ** 2)
 
 
 _WAVELENGTHS = (0.6, 0.14, 0.025)  # wavelengths of drift (aim), wobble (arm) and tremor (fingers)

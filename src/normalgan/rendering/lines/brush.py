@@ -86,8 +86,7 @@ def _facing_ratio(buffers: Buffers) -> Floats:
 def _sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
     """Return ``(1 + p) G_sigma - p G_(1.6 sigma)`` of a picture (H, W), sigma in pixels."""
     near, far = (cv2.GaussianBlur(picture, (0, 0), width) for width in (sigma, _BLUR_RATIO * sigma))
-    sharp: Floats = (1 + sharpening) * near - sharpening * far
-    return sharp
+    return (1 + sharpening) * near - sharpening * far
 
 
 def _without_specks(inked: BoolMask, shortest: float) -> BoolMask:

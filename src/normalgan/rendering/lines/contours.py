@@ -206,8 +206,7 @@ def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int
         rows = (rows + by).clip(0, shape[0] - 1)
     else:
         columns = (columns + by).clip(0, shape[1] - 1)
-    flat: Indices = rows * shape[1] + columns
-    return flat
+    return rows * shape[1] + columns
 
 
 def _foretold(maps: Maps, sight: Sight, pixel: Indices, axis: int) -> Floats:
@@ -261,5 +260,4 @@ def _lowest(values: Floats, axis: int) -> BoolMask:
     padded = np.pad(values, padding, constant_values=np.inf)
     length = values.shape[axis]
     before, after = (padded.take(np.arange(k, k + length), axis) for k in (0, 2))
-    lowest: BoolMask = (values < before) & (values <= after)
-    return lowest
+    return (values < before) & (values <= after)

@@ -77,8 +77,7 @@ def _smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
         cv2.GaussianBlur(component * weight, (side, side), sigma, dst=part)
     length = np.sqrt(sum(part * part for part in parts))
     parts *= 1 / np.maximum(length, np.float32(1e-12))
-    smooth: Floats = np.moveaxis(parts, 0, -1)
-    return smooth
+    return np.moveaxis(parts, 0, -1)
 
 
 def _valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:

@@ -170,8 +170,7 @@ def shape_operators(surface: MeshSurface, normals: Doubles, smoothing: float) ->
             summed[:, entry] += np.bincount(own, here[:, entry], len(normals))
     operators = surface.smooth(summed / np.maximum(total, 1e-30)[:, None], smoothing).reshape(-1, 3, 3)
     flat = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-    tangent: Doubles = flat @ operators @ flat
-    return tangent
+    return flat @ operators @ flat
 
 
 def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> Doubles:
@@ -187,8 +186,7 @@ def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> D
     damping = 1e-9 * (uu + vv) + 1e-30
     left += damping[:, None, None] * np.eye(3)
     a, b, c = np.linalg.solve(left, right[..., None])[..., 0].T
-    fitted: Doubles = np.stack([a, b, b, c], axis=1).reshape(-1, 2, 2)
-    return fitted
+    return np.stack([a, b, b, c], axis=1).reshape(-1, 2, 2)
 
 
 def _nearest_areas(sides: Doubles) -> Doubles:

@@ -31,8 +31,7 @@ def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
     if dots:
         owner, row, column, ink = (np.concatenate(parts) for parts in zip(*dots, strict=True))
         _lay(owner, row, column, ink, paper)
-    inked: Floats = np.clip(1 - paper, 0, 1)
-    return inked
+    return np.clip(1 - paper, 0, 1)
 
 
 @dataclass(frozen=True)
