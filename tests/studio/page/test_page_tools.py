@@ -390,6 +390,9 @@ def test_a_click_fills_the_area_between_lines_and_the_map_stays(studio: Studio) 
         lambda: studio.screen()[round(row), round(column)].astype(int), lambda lit: lit[2] > lit[0] + 60
     )
     assert studio.predicted() == maps
+    page.locator("#history summary").click()
+    assert page.locator("#history-list li").all_inner_texts()[-2:] == ["Area filled", "Area filled"]
+    page.locator("#history summary").click()
     page.keyboard.press("s")
     studio.line((MIDDLE + 80, MIDDLE), (MIDDLE + 90, MIDDLE + 10), (MIDDLE + 100, MIDDLE))  # its line
     page.keyboard.press("Escape")

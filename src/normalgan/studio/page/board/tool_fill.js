@@ -63,7 +63,7 @@ export class FillTool {
     const before = /** @type {Line | undefined} */ (strokes[there]);
     const others = strokes.filter((each) => each !== before);
     const { fillColour: colour } = editor;
-    const filled = before?.colour === colour ? others : [...others, { kind: /** @type {const} */ ("fill"), size: 1, colour, points: points ?? before?.points ?? [] }];
+    const filled = before?.colour === colour ? others : [...others, { kind: /** @type {const} */ ("fill"), size: 1, colour, points: before?.points ?? points ?? [] }];
     editor.commit(withActive(editor.doc, { strokes: filled }));
     this.announce(filled.length > others.length ? text.filled : text.unfilled);
   }

@@ -24,6 +24,8 @@ function strokesStep(from, to) {
     if (!begins(from.length)) return text.stepMoved;
     return { eraser: text.stepErased, picture: text.stepImported, pen: text.stepLine, fill: text.stepFill }[to[to.length - 1].kind];
   }
+  const last = to.at(-1);
+  if (last?.kind === "fill" && from.some((each) => each.kind === "fill" && each !== last && each.points === last.points)) return text.stepFill;
   const gone = to.length < from.length || from.some((each, i) => isCut(each, to[i]));
   return gone ? text.stepRemoved : text.stepMoved;
 }
