@@ -252,6 +252,7 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
         (["fox.png", "-o", ".", "--suffix", ""], "fox.png is an input and would be overwritten"),
         (["fox.png", "--suffix", "_input", "--show-input"], "fox_input.png would be written twice"),
         (["fox.png", "--suffix", "a/b"], "the suffix 'a/b' cannot end a file's name"),
+        (["fox.png", "--suffix", "_n:"], "the suffix '_n:' cannot end a file's name"),
         (["fox.png", "--height"], "--height needs a value: png or tiff."),
         (["fox.png", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["fox.png", "--bits", "16", "--format", "exr"], "bits apply to PNG; a map as exr"),

@@ -15,6 +15,8 @@ from normalgan.normals import Bits, Green
 from normalgan.ranges import Range
 
 Pack = Literal["normal_specular"]
+_REFUSED = frozenset('<>:"|?*\\')
+"""Characters that Windows does not allow in file names; maps are passed on to other machines."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Normal(Output):
             raise InputError(
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."
             )
-        if self.suffix and Path(self.suffix).name != self.suffix:
+        if self.suffix and (Path(self.suffix).name != self.suffix or not _REFUSED.isdisjoint(self.suffix)):
             raise InputError(f"the suffix {self.suffix!r} cannot end a file's name; it is like _normal.")
 
     @property
