@@ -21,7 +21,7 @@ from normalgan.inference.composites.sheets import drawings_in, predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
-from normalgan.inference.findings import Finding
+from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Done, Writer
@@ -226,7 +226,13 @@ class JobPredictor:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
             return self._adapted(tiled, picture)
         member = replace(self._member(picture, files), holes=self.holes)
-        prepared = self._prepared(member, self.size)
+        try:
+            prepared = self._prepared(member, self.size)
+        except LackingError as error:
+            if error.finding.code != "no_lines":
+                raise
+            # The reader takes a surface for background.
+            raise InputError(f"{error} For a wall or another surface, add --tile both.") from None
         split = not self.single and files.mask in {None, READER, OUTLINE}
         # Lines do not tell which of them belong to one figure, so the reader does.
         by_lines = split and files.mask == OUTLINE

@@ -192,6 +192,7 @@ def test_one_bad_file_stops_no_other(here: Path, capsys: pytest.CaptureFixture[s
     assert [path.name for path in Path("out").iterdir()] == ["fox_normal.png"]
     assert "text.png is not an image that can be read" in said.err
     assert "white.png: no lines were found in it" in said.err
+    assert "For a wall or another surface, add --tile both." in said.err
     assert "2 of 3 sketches could not be used" in said.err
 
 
