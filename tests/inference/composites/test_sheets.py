@@ -13,10 +13,13 @@ from PIL import Image
 
 from normal_pngs import read_png
 from normalgan.__main__ import main
+from normalgan.decoding import Decoded
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.series import Member
+from normalgan.inference.composites.sheets import drawings_in
 from normalgan.inference.normal_map import NormalMap, as_it_lies
-from normalgan.inference.reading.picture import Picture
+from normalgan.inference.reading.picture import Picture, to_picture
 from pens import blob, outline, overlap
 
 Pixels = NDArray[np.uint8]
@@ -347,6 +350,15 @@ def test_atlases_lie_in_folders_as_their_sheets_do(here: Path) -> None:
     assert generate("in", "--recursive", "--atlas", "in", "--alpha") == 0
     assert pixels("normals/sheet_normal.png")[:96, :, 3].any()
     assert pixels("normals/deep/sheet_normal.png")[96:, :, 3].any()
+
+
+def test_the_drawings_of_a_sheet_are_pixel_art_if_the_sheet_is() -> None:
+    sheet = np.full((16, 32, 3), 255, np.uint8)
+    sheet[4:8, [4, 20]] = 0
+    decoded = Decoded(sheet, (16, 32))
+    cells = Cell("left", 0, 0, 16, 16), Cell("right", 16, 0, 16, 16)
+    found = drawings_in(decoded, cells, Member(to_picture(decoded), pixel_art=True))
+    assert [member.pixel_art for _, member in found] == [True, True]
 
 
 def test_a_turned_sprite_is_lit_as_it_lies() -> None:

@@ -102,9 +102,7 @@ def predict_sheet(
                 f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside "
                 "closed lines."
             )
-    drawn = [
-        (cell, replace(member, pixel_art=page.pixel_art)) for cell, member in drawings_in(sheet, cells, page)
-    ]
+    drawn = drawings_in(sheet, cells, page)
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
@@ -180,7 +178,7 @@ def _member(cell: Cell, pixels: DecodedPixels, page: Member, clear: bool) -> Mem
         picture = replace(picture, alpha=opacity, cut_out=True)
     hints = None if page.hints is None else cell.local(page.hints)
     reading = _shared(page.reading, cell, (pixels.shape[0], pixels.shape[1]))
-    return Member(picture, hints, own, cell.points(page.holes), reading)
+    return Member(picture, hints, own, cell.points(page.holes), reading, pixel_art=page.pixel_art)
 
 
 def _ground(part: DecodedPixels, own: BoolMask) -> NDArray[np.generic]:
