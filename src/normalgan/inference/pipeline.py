@@ -78,7 +78,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     # A visible surface does not face away from the viewer, but normals extended off the object may.
     np.maximum(normals[..., 2], 0, out=normals[..., 2])
     # Vectors between opposite normals and outside the frame may be zero.
-    normals = unit(normals, front=True, out=normals if enlarged else None)
+    normals = unit(normals, front=True, out=normals)
     pins = prepared.map_hints
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
@@ -116,11 +116,13 @@ def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
         prepared: the prepared drawing, from `prepare`.
         mask: (h, w), the object after the user's edits.
     """
-    soft = soft_edge(mask)
     if prepared.coverage is None:
-        return soft
-    changed = (mask != (prepared.coverage > 0.5)).astype(np.uint8)
-    return np.where(cv2.dilate(changed, np.ones((5, 5), np.uint8)) > 0, soft, prepared.coverage)
+        return soft_edge(mask)
+    changed = mask != (prepared.coverage > 0.5)
+    if not changed.any():
+        return prepared.coverage
+    near = cv2.dilate(changed.view(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    return np.where(near, soft_edge(mask), prepared.coverage)
 
 
 def _opacity(prepared: Prepared, covered: Floats) -> Floats:

@@ -75,6 +75,7 @@ def prepare(
     clean_strokes: bool = False,
     reading: Reading | None = None,
     on_model_input: Callable[["Prepared"], object] | None = None,
+    reader: Callable[[Picture], Reading] = read,
 ) -> Prepared:
     """Clean a drawing, find its mask and frame it.
 
@@ -95,6 +96,7 @@ def prepare(
         reading: the reader's output for the picture, if it is known; None reads the picture.
         on_model_input: called with the drawing, still without mask and hints, as soon as the model's input is
             known, so that the model can run while the mask is found.
+        reader: reads the picture.
 
     Raises:
         LackingError: if the drawing has no lines.
@@ -104,7 +106,7 @@ def prepare(
     # Lines of a tiny sprite are as wide as its details; enlarged, they can be told apart and thinned.
     worked = fitted(shape, min(max(network_size, *shape), MOST_WORKED))
     if reading is None and not clean_strokes:
-        reading = read(picture)
+        reading = reader(picture)
     cleaned = clean(picture.resized(worked), reading, drawn_pixel=worked[1] / picture.size[1])
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
@@ -133,7 +135,7 @@ def prepare(
         case "outline":
             prepared = _decided(prepared, walls, None, holes, scale)
         case "reader" | None:
-            prepared = _decided(prepared, walls, reading or read(picture), holes, scale)
+            prepared = _decided(prepared, walls, reading or reader(picture), holes, scale)
     if holes and prepared.decision is None:
         raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)

@@ -43,3 +43,15 @@ def test_hints_move_with_the_frame() -> None:
     assert abs(row - 32) <= 1
     assert abs(column - 32) <= 1
     assert hints[:3, row, column].tolist() == [0, 1, 0]
+
+
+@pytest.mark.parametrize("size", [32, 64])
+def test_paper_around_a_drawing_changes_nothing_in_its_frame(size: int) -> None:
+    """The frame is larger than the drawing, or lies inside the larger paper."""
+    ink = ellipse()[:70, 70:190]
+    wide = np.pad(ink, 80)
+    frames = Frame.around(ink, size), Frame.around(wide, size)
+    outside, inside = (frame.top < 0 for frame in frames)
+    assert outside
+    assert not inside
+    assert np.array_equal(frames[0].shrink(ink), frames[1].shrink(wide))

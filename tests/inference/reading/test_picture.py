@@ -207,3 +207,12 @@ def test_a_picture_without_opacity_is_resized_as_one_that_is_opaque_everywhere()
         opaque = Picture(colour, np.ones((60, 40), np.float32)).resized(shape)
         assert found.alpha is None
         np.testing.assert_allclose(found.colour, opaque.colour, atol=1e-6)
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+def test_a_pixel_is_as_dark_as_its_darkest_colour(channels: int) -> None:
+    values = np.random.default_rng(1).random((6, 7, channels)).astype(np.float32)
+    found = Picture(values[..., :3], None).darkness()
+    expected = [[1 - min(map(float, pixel)) for pixel in row] for row in values[..., :3]]
+    assert found.dtype == np.float32
+    np.testing.assert_allclose(found, expected, atol=1e-6)

@@ -28,9 +28,11 @@ from studio_client import (
 )
 
 from normalgan.__main__ import main
+from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.heights.height import integrate
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse, enlarge
+from normalgan.inference.reading.picture import Picture
 from normalgan.inference.structures import KINDS
 from normalgan.normals import decode
 from normalgan.studio.drawings.limits import MOST_AREAS, TILE_SIDE
@@ -183,6 +185,30 @@ def test_a_few_maps_are_kept(model: Path, tmp_path: Path, monkeypatch: pytest.Mo
         assert len(enlarged) == 6
         predicted(client, number=8, picture=drawings[0])
     assert len(enlarged) == 7
+
+
+def test_the_reader_runs_once_for_all_sizes_and_edits_of_a_picture(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pictures = []
+
+    def counted(picture: Picture) -> Reading:
+        pictures.append(picture)
+        return read(picture)
+
+    dab = {"adds": True, "size": 20, "points": [CENTRE[0] + RADIUS, CENTRE[1]]}
+    other = b64(png(np.roll(circle(), 3, 0)))
+    with serving(model, tmp_path) as client:
+        edited = predicted(client, mask_strokes=[dab])
+    with serving(model, tmp_path) as client:
+        monkeypatch.setattr("normalgan.studio.predictions.predictor.read", counted)
+        predicted(client, longest=64)
+        predicted(client, number=2)
+        assert np.array_equal(predicted(client, number=3, mask_strokes=[dab]), edited)
+        predicted(client, number=4, source="outline")
+        assert len(pictures) == 1
+        predicted(client, number=5, picture=other)
+    assert len(pictures) == 2
 
 
 def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def clean(
         LackingError: if the drawing has no lines.
     """
     silhouette = None
-    ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
+    ink = picture.darkness() if reading is None else reading.ink_at(picture)
     if repeats:
         ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
     if picture.alpha is not None and is_silhouette(picture, reading):

@@ -64,10 +64,12 @@ class Frame:
         # Area averaging keeps thin lines, but only works on whole pixels, so the square is cropped first.
         side = round(self.side)
         left, top = round(self.left), round(self.top)
-        square = np.zeros((side, side), np.float32)
         h, w = self.shape
         x0, y0, x1, y1 = max(left, 0), max(top, 0), min(left + side, w), min(top + side, h)
-        square[y0 - top : y1 - top, x0 - left : x1 - left] = picture[y0:y1, x0:x1]
+        square = picture[y0:y1, x0:x1]
+        if square.shape != (side, side):
+            square = np.zeros((side, side), np.float32)
+            square[y0 - top : y1 - top, x0 - left : x1 - left] = picture[y0:y1, x0:x1]
         method = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
         return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 

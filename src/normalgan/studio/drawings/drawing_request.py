@@ -4,7 +4,7 @@ import hashlib
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Self
@@ -93,17 +93,15 @@ class DrawingRequest:
 
     def lines_digest(self) -> bytes:
         """Return a hash of the drawing without its hints, areas, form and structures."""
-        whole = hashlib.sha256()
-        if isinstance(self.picture, bytes):
-            parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
-        else:
-            parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
         given = (self.mask, b"") if isinstance(self.mask, bytes) else (b"", str(self.mask).encode())
-        by_hand = to_json(self.fields.mask_strokes)
-        for part in (*parts, *given, by_hand):
-            whole.update(len(part).to_bytes(8, "little"))
-            whole.update(part)
-        return whole.digest()
+        return _hash(self.picture_digest, *given, to_json(self.fields.mask_strokes))
+
+    @cached_property
+    def picture_digest(self) -> bytes:
+        """A hash of the picture."""
+        if isinstance(self.picture, bytes):
+            return _hash(b"PNG", self.picture)
+        return _hash(str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
 
     def read_lines(self) -> tuple[Picture, MaskOrSource]:
         """Return the picture, and the mask (H, W) or mask source.
@@ -127,7 +125,7 @@ class DrawingRequest:
         """
         if not self.fields.mask_strokes:
             return None
-        ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
+        ink = picture.darkness() if reading is None else reading.ink_at(picture)
         return paint_mask(ink > INKED, (each.stroke for each in self.fields.mask_strokes))
 
     def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
@@ -190,6 +188,14 @@ class DrawingRequest:
         checked = to_hints(self.fields.hints, shape)
         free = [each.reach is None for each in self.fields.hints]
         return Hints(checked.points[free], checked.normals[free]) if any(free) else None
+
+
+def _hash(*parts: bytes | memoryview) -> bytes:
+    whole = hashlib.sha256()
+    for part in parts:
+        whole.update(len(part).to_bytes(8, "little"))
+        whole.update(part)
+    return whole.digest()
 
 
 def to_hints(hints: Sequence[HintFields], shape: tuple[int, int]) -> Hints:

@@ -4,6 +4,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
@@ -13,7 +14,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
-from normalgan.inference.cleaning.reader import read
+from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.composites.layer_context import Context, Inferred, context_of, surest, ways_to_see
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.mask_files import READER
@@ -67,6 +68,7 @@ class DrawingPredictor:
         self._lock = Lock()
         self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, _Found] = OrderedDict()
+        self._readings: OrderedDict[bytes, Reading] = OrderedDict()
         self._network = ThreadPoolExecutor(1, "network")
         self._inferred: OrderedDict[bytes, Future[Inferred]] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
@@ -174,7 +176,8 @@ class DrawingPredictor:
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
-            reading = None if drawing.drawn else read(picture)
+            reader = partial(self._read, drawing)
+            reading = None if drawing.drawn else reader(picture)
             by_hand = drawing.read_mask(picture, reading)
             hints = drawing.read_hints(picture.shape)
 
@@ -188,11 +191,21 @@ class DrawingPredictor:
                 clean_strokes=drawing.drawn,
                 reading=reading,
                 on_model_input=infer_ahead,
+                reader=reader,
             )
             several = several_figures(prepared, picture) if drawing.mask in {None, READER} else ()
             # The decision takes more memory than everything else and is not needed again.
             found = replace(prepared, decision=None, reading=None), picture.shape, several
             self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
+        return found
+
+    def _read(self, drawing: DrawingRequest, picture: Picture) -> Reading:
+        """Return the reader's output for a drawing's picture; all sizes and edits of the drawing share it."""
+        key = drawing.picture_digest
+        found = self._recalled(self._readings, key)
+        if found is None:
+            found = read(picture)
+            self._remember(self._readings, key, found, _VERSIONS)
         return found
 
     def _recalled(self, kept: OrderedDict[K, T], key: K) -> T | None:

@@ -208,7 +208,7 @@ def _lines(layers: Sequence[Layer], mask: NDArray[np.bool_]) -> NDArray[np.bool_
     inked = np.zeros_like(mask)
     for layer in layers:
         picture, _ = layer.drawing.read_lines()
-        dark = picture.colour.min(axis=-1) < 0.5
+        dark = picture.darkness() > 0.5
         inked |= dark if picture.alpha is None else dark & (picture.alpha > 0.5)
     return inked
 
