@@ -10,9 +10,9 @@ longest time without a new map. A pin turned by its ball: maps per second. `--st
 
 `--threads 2` is for the page without a server. On the second visit its networks use half of the cores as
 threads, and are told that there are four cores. Each side then says whether the page was isolated, and how
-many threads there were. `--memory 500` draws 500 strokes, and prints how much the page's memory grew after
-the first 20, and how much of that in the first half. `--starts 5` loads the page twice in each of five new
-browser contexts, and prints the milliseconds until it can be drawn on, and the number of requests.
+many threads each network has. `--memory 500` draws 500 strokes, and prints how much the page's memory grew
+after the first 20, and how much of that in the first half. `--starts 5` loads the page twice in each of
+five new browser contexts, and prints the milliseconds until it can be drawn on, and the number of requests.
 """
 
 import argparse
@@ -352,8 +352,8 @@ def main() -> None:
             found: dict[str, Any] = {}
             if given.threads:
                 found["isolated"] = page.evaluate("crossOriginIsolated")
-                # One of them is the networks' own worker; the runtime starts the others.
-                found["threads"] = 1 + sum("ort-wasm" in worker.url for worker in page.workers)
+                # Each of the two workers of networks is a thread; the runtime starts the others of both.
+                found["threads"] = 1 + sum("ort-wasm" in worker.url for worker in page.workers) // 2
             if given.strokes:
                 found["stroke_to_map_ms"] = strokes(hand, given.strokes)
                 if inside:

@@ -310,6 +310,22 @@ def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> 
     assert (decoded(answer, mug().shape)[handle, 3] == 255).all()
 
 
+def test_the_reader_runs_once_for_all_sizes_of_a_picture(studio: "Page") -> None:
+    networks = {each.evaluate("self.name"): each for each in studio.workers if "networks.js" in each.url}
+    assert set(networks) == {"ours refiner", "reader"}  # in two workers, so that they run at once
+    counting = "self.runs = 0; addEventListener('message', () => { self.runs += 1; })"
+    networks["reader"].evaluate(f"() => {{ {counting} }}")
+    for angle, runs in ((30, 1), (40, 2)):
+        grey = np.full((SIDE, SIDE), 255, np.uint8)
+        cv2.ellipse(grey, (256, 256), (200, 150), angle, 0, 360, (0,), 3, cv2.LINE_AA)
+        half, whole = (
+            decoded(studio.evaluate(ASK, [*encoded(grey), {"longest": longest}]), (side, side))
+            for longest, side in ((SIDE // 2, SIDE // 2), (None, SIDE))
+        )
+        assert networks["reader"].evaluate("self.runs") == runs
+        assert half[SIDE // 4, SIDE // 4, 3] == whole[SIDE // 2, SIDE // 2, 3] == 255
+
+
 def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     stroke = {"points": [100, 100, 120, 110], "size": 40, "adds": False}

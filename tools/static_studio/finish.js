@@ -124,24 +124,32 @@ export function hintsOff(hints, scale, { mask, width, height }) {
 export function restored(square, { width, height, frame: { left, top, side, size } }, channels) {
   const scale = side / size;
   const out = new Float32Array(width * height * channels);
-  const ways = [{ count: width, start: left }, { count: height, start: top }].map(({ count, start }) =>
-    Float32Array.from({ length: count }, (_, i) => (i - start - (scale - 1) / 2) / scale));
+  const [across, down] = [{ count: width, start: left }, { count: height, start: top }].map(({ count, start }) => {
+    const [from, share] = [new Int32Array(count), new Float32Array(count)];
+    for (let i = 0; i < count; i++) {
+      share[i] = (i - start - (scale - 1) / 2) / scale;
+      from[i] = Math.floor(share[i]);
+      share[i] -= from[i];
+    }
+    return { from, share };
+  });
   for (let y = 0; y < height; y++) {
-    const row = Math.floor(ways[1][y]);
-    const down = ways[1][y] - row;
+    const row = down.from[y];
+    if (row < -1 || row >= size) continue;
+    const [above, below] = [row >= 0 ? 1 - down.share[y] : 0, row + 1 < size ? down.share[y] : 0];
+    // Pixels beyond the square have no weight, wherever they are read from.
+    const [first, second] = [Math.max(row, 0) * size, Math.min(row + 1, size - 1) * size];
     for (let x = 0; x < width; x++) {
-      const column = Math.floor(ways[0][x]);
-      if (row < -1 || column < -1 || row >= size || column >= size) continue;
-      const right = ways[0][x] - column;
-      const [above, below] = [row >= 0 ? 1 - down : 0, row + 1 < size ? down : 0];
-      const [before, after] = [column >= 0 ? 1 - right : 0, column + 1 < size ? right : 0];
-      // Pixels beyond the square have no weight, wherever they are read from.
-      const [first, second] = [Math.max(row, 0) * size, Math.min(row + 1, size - 1) * size];
-      const [one, two] = [Math.max(column, 0), Math.min(column + 1, size - 1)];
+      const column = across.from[x];
+      if (column < -1 || column >= size) continue;
+      const before = column >= 0 ? 1 - across.share[x] : 0;
+      const after = column + 1 < size ? across.share[x] : 0;
+      const one = Math.max(column, 0) * channels;
+      const two = Math.min(column + 1, size - 1) * channels;
       for (let c = 0; c < channels; c++) {
         out[(y * width + x) * channels + c] =
-          above * (before * square[(first + one) * channels + c] + after * square[(first + two) * channels + c])
-          + below * (before * square[(second + one) * channels + c] + after * square[(second + two) * channels + c]);
+          above * (before * square[first * channels + one + c] + after * square[first * channels + two + c])
+          + below * (before * square[second * channels + one + c] + after * square[second * channels + two + c]);
       }
     }
   }

@@ -1,4 +1,4 @@
-/** Networks: runs the model's networks in their own worker, so that the object can be found meanwhile. */
+/** Networks: runs the networks that the worker's name lists in their own worker, so that the object can be found meanwhile. */
 
 import * as ort from "./ort.wasm.min.mjs";
 
@@ -11,7 +11,7 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // compressed with gzip
 
 const runtime = unpack();
 /** @type {Record<string, Promise<import("./ort.wasm.min.mjs").InferenceSession>>} */
-const sessions = Object.fromEntries(["ours", "refiner", "reader"].map((name) => [name, network(`${name}.onnx`)]));
+const sessions = Object.fromEntries(self.name.split(" ").map((name) => [name, network(`${name}.onnx`)]));
 
 /** @param {string} name */
 async function file(name) {
@@ -41,7 +41,7 @@ async function run({ name, planes }) {
 }
 
 const failed = (/** @type {unknown} */ error) => String(error instanceof Error ? error.message : error);
-Promise.all(Object.values(sessions)).then(([ours]) => postMessage({ size: Number(ours.inputMetadata[0].shape[3]) }), (error) => postMessage({ failed: failed(error) }));
+Promise.all(Object.values(sessions)).then(([first]) => postMessage({ size: Number(first.inputMetadata[0].shape[3]) }), (error) => postMessage({ failed: failed(error) }));
 /** @type {Promise<void>} one at a time */
 let turn = Promise.resolve();
 addEventListener("message", (/** @type {MessageEvent<Run>} */ { data }) => {

@@ -32,9 +32,11 @@ import { doubt, suggest } from "./suggest.js";
 
 /** Pixel budget of the kept maps: of several layers, usually only one is predicted again. */
 const KEPT = 2 ** 23;
-/** Number of kept predictions: layers alone, and one for all layers together. */
+/** Number of kept answers of networks: layers alone, all layers together, and the reader's, which all sizes of a picture share. */
 const INFERRED = 16;
-const networks = new Worker(new URL("networks.js", import.meta.url), { type: "module" });
+const [predicting, reading] = ["ours refiner", "reader"].map((name) => new Worker(new URL("networks.js", import.meta.url), { type: "module", name }));
+/** The worker of each network; the reader runs while the model predicts. @type {Record<string, Worker>} */
+const networks = { ours: predicting, refiner: predicting, reader: reading };
 /** @type {Map<number, {resolve: (found: Record<string, Float32Array>) => void, reject: (error: Error) => void}>} */
 const running = new Map();
 let runs = 0;
@@ -53,23 +55,24 @@ const dropped = new Set();
 let current = 0;
 
 async function load() {
-  /** @type {Promise<number>} side of the model's pictures */
-  const side = new Promise((resolve, reject) => {
-    networks.addEventListener("message", ({ data }) => {
+  /** @param {Worker} worker @returns {Promise<number>} side of its first network's pictures */
+  const loaded = (worker) => new Promise((resolve, reject) => {
+    worker.addEventListener("message", ({ data }) => {
       const waiting = running.get(data.id);
       running.delete(data.id);
-      if (data.size) resolve(data.size);
+      if ("size" in data) resolve(data.size);
       else if (data.found) waiting?.resolve(data.found);
       else (waiting?.reject ?? reject)(new Error(data.failed));
     });
-    networks.addEventListener("error", () => reject(new Error("no_modules")));
+    worker.addEventListener("error", () => reject(new Error("no_modules")));
   });
+  const sides = Promise.all([predicting, reading].map(loaded));
   const notes = await fetch(new URL("model.json", import.meta.url));
   if (!notes.ok) throw new Error("no_model");
   /** @type {{line_widths: [number, number], structures: string[]}} */
   const { line_widths: widths, structures } = await notes.json();
   // Once loaded, the page works without a network; a stroke with a structure that did not load reports it.
-  const [size] = await Promise.all([side, Promise.allSettled(structures.map((kind) => tileOf(kind)))]);
+  const [[size]] = await Promise.all([sides, Promise.allSettled(structures.map((kind) => tileOf(kind)))]);
   return { widths, size };
 }
 
@@ -79,19 +82,22 @@ function run(name, planes) {
   const id = ++runs;
   return new Promise((resolve, reject) => {
     running.set(id, { resolve, reject });
-    networks.postMessage({ id, name, planes });
+    networks[name].postMessage({ id, name, planes });
   });
 }
 
 /** @type {import("./finish.js").Refiner} */
 const refiner = async (data, width, height) => (await run("refiner", { planes: { data, shape: [1, 6, height, width] } })).normal;
 /** @type {import("./reader.js").Network} */
-const reader = async (data, width, height) => (await run("reader", { picture: { data, shape: [1, 3, height, width] } })).read;
+const reader = async (data, width, height) => (await runOnce("reader", { picture: { data, shape: [1, 3, height, width] } })).read;
 
 /** Returns the network's prediction. @param {Float32Array} seen @param {Float32Array} hints as planes @param {number} size */
-function infer(seen, hints, size) {
-  const key = `${digest(new Uint8Array(seen.buffer))} ${digest(new Uint8Array(hints.buffer))}`;
-  const found = inferred.get(key) ?? run("ours", { sketch: { data: seen, shape: [1, 1, size, size] }, hints: { data: hints, shape: [1, 4, size, size] } });
+const infer = (seen, hints, size) => runOnce("ours", { sketch: { data: seen, shape: [1, 1, size, size] }, hints: { data: hints, shape: [1, 4, size, size] } });
+
+/** Runs a network, or returns the kept answer to the same inputs. @type {typeof run} */
+function runOnce(name, planes) {
+  const key = [name, ...Object.values(planes).map(({ data, shape }) => `${shape} ${digest(new Uint8Array(data.buffer))}`)].join();
+  const found = inferred.get(key) ?? run(name, planes);
   inferred.delete(key);
   inferred.set(key, found);
   found.catch(() => inferred.delete(key));
@@ -226,8 +232,9 @@ async function paint({ layers, longest, what, count, changedOnly }) {
   const { normals, mask, covered, width, height, confidence } = map;
   const rgba = new Uint8Array(4 * width * height);
   for (let i = 0; i < mask.length; i++) {
-    for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
-    rgba[4 * i + 3] = Math.round(255 * covered[i]);
+    // Bytes cut off the fraction, which is faster than `Math.round`.
+    for (let c = 0; c < 3; c++) rgba[4 * i + c] = (normals[3 * i + c] + 1) * 127.5 + 0.5;
+    rgba[4 * i + 3] = 255 * covered[i] + 0.5;
   }
   const answer = { rgba, width, height, findings };
   if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice(), covered: covered.slice() };
