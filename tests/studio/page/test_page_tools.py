@@ -364,6 +364,10 @@ def test_an_imported_picture_is_turned(studio: Studio, tmp_path: Path) -> None:
 
 def test_a_click_fills_the_area_between_lines_and_the_map_stays(studio: Studio) -> None:
     page = studio.page
+    page.keyboard.press("b")
+    with studio.saying("open to the paper's edge"):
+        page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+    page.keyboard.press("p")
     with studio.repainting():
         studio.circle()
     with studio.repainting():

@@ -87,7 +87,7 @@ export class AreaTool {
   /** Makes the area at a click a region, or selects the region that it is. @param {{x: number, y: number}} at */
   #clicked(at) {
     const area = this.areaAt(at);
-    if (area?.open) this.announce(text.areaOpen, "warning");
+    if (area?.open || !this.editor.layer.strokes.length) this.announce(text.areaOpen, "warning");
     if (!area || area.open) return;
     const points = area.outline();
     const there = this.editor.layer.areas.findIndex((each) => !each.size && String(each.points) === String(points));

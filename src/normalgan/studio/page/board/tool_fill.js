@@ -53,7 +53,7 @@ export class FillTool {
     // Without its outline, an area is still found by its colour.
     const there = strokes.findLastIndex((stroke) => stroke.kind === "fill" && (points ? String(stroke.points) === String(points) : isInside(stroke, at)));
     if (there < 0 && !points) {
-      if (area) this.announce(text.areaOpen, "warning");
+      if (area || !strokes.length) this.announce(text.areaOpen, "warning");
       return;
     }
     if (there < 0 && strokes.length >= MOST_STROKES) {
