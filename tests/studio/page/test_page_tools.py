@@ -395,6 +395,7 @@ def test_a_click_fills_the_area_between_lines_and_the_map_stays(studio: Studio) 
     )
     assert studio.predicted() == maps
     page.locator("#history summary").click()
+    page.locator("#history-list li").first.wait_for()
     assert page.locator("#history-list li").all_inner_texts()[-2:] == ["Area filled", "Area filled"]
     page.locator("#history summary").click()
     page.keyboard.press("s")
