@@ -79,7 +79,7 @@ class Destinations:
     def written(self, job: Job) -> list[Path]:
         """Return the output files of a job; none if it cannot be predicted.
 
-        Of an animation, only the map and the first frame's other outputs are listed.
+        For an animation, these are the map and the other outputs of the first frame.
         """
         drawing = _drawing_of(job)
         try:

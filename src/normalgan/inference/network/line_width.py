@@ -94,7 +94,7 @@ def _width(inked: BoolMask, depth: Floats) -> float:
     return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
 
 
-def areas(inked: BoolMask, width: float, depth: Floats, side: int, drawn_pixel: float = 0.0) -> BoolMask:
+def areas(inked: BoolMask, width: float, depth: Floats, side: int, drawn_pixel: float) -> BoolMask:
     """Return the parts (H, W) of a drawing that are too thick to be lines.
 
     A connected patch that is mostly thick is an area including its thin parts, such as the legs of a

@@ -169,7 +169,7 @@ export class Sheet {
     if (lines) for (const layer of layers) {
       // Inactive layers are faded.
       context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
-      const fills = paper && this.inks.fillsOf(layer);
+      const fills = paper && this.inks.underLines(layer);
       if (fills) {
         context.globalCompositeOperation = "source-over";
         context.drawImage(fills, 0, 0, doc.width, doc.height);

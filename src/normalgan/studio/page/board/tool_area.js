@@ -87,8 +87,11 @@ export class AreaTool {
   /** Makes the area at a click a region, or selects the region that it is. @param {{x: number, y: number}} at */
   #clicked(at) {
     const area = this.areaAt(at);
-    if (area?.open || !this.editor.layer.strokes.length) this.announce(text.areaOpen, "warning");
-    if (!area || area.open) return;
+    if (!area || area.open) {
+      // Otherwise it is on a line.
+      if (area || !this.editor.layer.strokes.length) this.announce(text.areaOpen, "warning");
+      return;
+    }
     const points = area.outline();
     const there = this.editor.layer.areas.findIndex((each) => !each.size && String(each.points) === String(points));
     if (there >= 0) this.editor.set({ area: there });

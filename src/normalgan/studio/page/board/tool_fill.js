@@ -1,8 +1,9 @@
 /** Fill tool: a click fills the area between lines with a colour. */
 
 import { Areas } from "../drawing/areas.js";
+import { context2d } from "../drawing/canvas.js";
 import { MOST_STROKES, withActive } from "../drawing/document.js";
-import { insideOf } from "../drawing/strokes.js";
+import { pathOfFill } from "../drawing/strokes.js";
 import { text } from "../text/text.js";
 
 /** @typedef {import("./tools.js").Touch} Touch @typedef {import("../drawing/document.js").Line} Line */
@@ -71,6 +72,5 @@ export class FillTool {
 
 /** @param {Line} fill @param {{x: number, y: number}} at */
 function isInside(fill, { x, y }) {
-  const context = new OffscreenCanvas(1, 1).getContext("2d");
-  return context?.isPointInPath(insideOf(fill), x, y, "evenodd") ?? false;
+  return context2d(document.createElement("canvas")).isPointInPath(pathOfFill(fill), x, y, "evenodd");
 }

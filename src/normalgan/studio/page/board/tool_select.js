@@ -1,6 +1,6 @@
 /** Select tool: selects, moves, scales, rotates and deletes strokes, pictures and parts of pictures. */
 
-import { activeLayer, withActive } from "../drawing/document.js";
+import { activeLayer, goesAlong, withActive } from "../drawing/document.js";
 import { NOTHING } from "../drawing/editor.js";
 import { chosenBy, insideOf } from "../drawing/lasso.js";
 import { aboutPoint, extentOf, isHit, unitedBox } from "../drawing/moving.js";
@@ -260,7 +260,7 @@ export class SelectTool {
     const layer = activeLayer(doc);
     editor.set({ selection: NOTHING });
     // Without lines, points and regions would have no object.
-    const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || kind === "fill" || strokes.includes(i));
+    const all = layer.strokes.every((stroke, i) => goesAlong(stroke) || strokes.includes(i));
     const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
     const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
@@ -291,7 +291,7 @@ export class SelectTool {
   #hit(touch) {
     const { layer: { strokes }, doc: { pictures } } = this.editor;
     for (let i = strokes.length - 1; i >= 0; i--) {
-      if (strokes[i].kind !== "eraser" && strokes[i].kind !== "fill" && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], pictures: [] };
+      if (!goesAlong(strokes[i]) && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], pictures: [] };
     }
     for (let i = pictures.length - 1; i >= 0; i--) {
       if (pictures[i].visible && isHit(pictures[i], touch, 0)) return { strokes: [], pictures: [i] };

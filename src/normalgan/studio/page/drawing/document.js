@@ -214,7 +214,10 @@ export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.set
 export const linesOf = (strokes) => strokes.filter(({ kind }) => kind !== "fill");
 
 /** Returns the visible layers that are not empty. @param {Doc} doc @returns {Layer[]} */
-export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && strokes.some(({ kind }) => kind !== "fill"));
+export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && linesOf(strokes).length > 0);
+
+/** Whether a stroke is not selected by a click, but goes along with the lines around it. @param {Stroke} stroke */
+export const goesAlong = ({ kind }) => kind === "eraser" || kind === "fill";
 
 /** @param {Stroke[]} a @param {Stroke[]} b */
 function drawsAlike(a, b) {

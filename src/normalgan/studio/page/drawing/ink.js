@@ -258,7 +258,7 @@ export class Inks {
   }
 
   /** Returns the filled areas of a layer, if it has any. @param {import("./document.js").Layer} layer */
-  fillsOf({ id }) {
+  underLines({ id }) {
     return this.filled.get(id)?.canvas;
   }
 

@@ -1,6 +1,6 @@
 /** Moving: move, scale, rotate and flip strokes, pictures and whole documents. */
 
-import { SIDES, middleOfPixel, possiblePeriod } from "./document.js";
+import { SIDES, goesAlong, middleOfPixel, possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
 
 /**
@@ -109,14 +109,14 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  * @returns {Along}
  */
 export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {
-  const all = strokes.every(({ kind }, i) => kind === "eraser" || kind === "fill" || chosen.includes(i));
+  const all = strokes.every((stroke, i) => goesAlong(stroke) || chosen.includes(i));
   const hull = all || inside ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
   /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
   const among = (list, at) => new Set(list.flatMap((each, i) => {
     const point = at(each);
     return point && (all || (inside ? inside(point) : isInside(hull, point))) ? [i] : [];
   }));
-  const marks = among(strokes, (stroke) => (stroke.kind === "eraser" || stroke.kind === "fill" ? middleOf(stroke.points, 3) : null));
+  const marks = among(strokes, (stroke) => (stroke.kind !== "picture" && goesAlong(stroke) ? middleOf(stroke.points, 3) : null));
   return {
     strokes: new Set([...chosen, ...marks]), hints: among(hints, (hint) => hint),
     areas: among(areas, ({ points }) => middleOf(points, 2)), mask: among(mask, ({ points }) => middleOf(points, 2)),

@@ -117,7 +117,7 @@ export function drawPicture(context, image, { x, y, width, height, turn = 0, fli
 }
 
 /** Returns the area of a fill. @param {import("./document.js").Line} fill */
-export function insideOf({ points }) {
+export function pathOfFill({ points }) {
   const path = new Path2D();
   for (let i = 0; i < points.length; i += 3) path.lineTo(points[i], points[i + 1]);
   path.closePath();
@@ -139,7 +139,7 @@ export function drawStroke(context, stroke, image, paper = null) {
   }
   if (stroke.kind === "fill") {
     context.fillStyle = stroke.colour ?? "#000";
-    context.fill(insideOf(stroke), "evenodd");
+    context.fill(pathOfFill(stroke), "evenodd");
     return;
   }
   const count = stroke.points.length / 3;

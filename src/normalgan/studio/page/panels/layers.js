@@ -43,7 +43,7 @@ class Thumbnails {
     const context = context2d(picture);
     const scale = side / Math.max(width, height);
     context.imageSmoothingQuality = "high";
-    const fills = this.inks.fillsOf(layer);
+    const fills = this.inks.underLines(layer);
     for (const each of fills ? [fills, lines] : [lines]) context.drawImage(each, (side - width * scale) / 2, (side - height * scale) / 2, width * scale, height * scale);
     this.#known.set(layer.id, { strokes: layer.strokes, width, height, picture });
     return picture;
