@@ -402,3 +402,22 @@ def test_the_eraser_leaves_the_paper_of_a_photo(studio: Studio, tmp_path: Path) 
     for x in (60, 190):
         column, row = studio.on_board(x, SIDE / 2 - 40)
         np.testing.assert_allclose(shown[round(row), round(column)], paper[0, x], atol=12)
+
+
+def test_a_fill_colours_the_paint_of_a_picture(studio: Studio, tmp_path: Path) -> None:
+    sprite = np.zeros((SIDE, SIDE, 4), np.uint8)
+    cv2.circle(sprite, (SIDE // 2, SIDE // 2), 60, (255, 255, 255, 255), -1)
+    cv2.circle(sprite, (SIDE // 2, SIDE // 2), 60, (0, 0, 0, 255), 6)
+    Image.fromarray(sprite).save(tmp_path / "sprite.png")
+    with studio.repainting():
+        give(studio, tmp_path / "sprite.png", "drawing")
+    page = studio.page
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#ff8800")
+    page.mouse.click(*studio.on_board(SIDE / 2, SIDE / 2))
+    page.locator("#view-lit").click()
+    page.locator("#material-colours").click()
+    page.mouse.move(2, 2)
+    for at in (studio.on_board(SIDE / 2 + 20, SIDE / 2), studio.on_result(SIDE / 2 + 20, SIDE / 2)):
+        column, row = map(round, at)
+        studio.until(lambda at=(row, column): studio.screen()[at].astype(int), lambda it: it[0] > it[2] + 100)

@@ -1,7 +1,7 @@
 /** Sheet: the paper, pictures and ink of a pane, redrawn only where they changed. */
 
 import { clear, context2d } from "../drawing/canvas.js";
-import { hasPaper } from "../drawing/ink.js";
+import { isPictured } from "../drawing/ink.js";
 import { invertedPaper } from "../drawing/paper_tone.js";
 import { decoded } from "../drawing/pictures.js";
 import { drawPicture } from "../drawing/strokes.js";
@@ -174,7 +174,7 @@ export class Sheet {
         context.globalCompositeOperation = "source-over";
         context.drawImage(fills, 0, 0, doc.width, doc.height);
       }
-      context.globalCompositeOperation = blended || (fills && hasPaper(layer.strokes)) ? "multiply" : "source-over";
+      context.globalCompositeOperation = blended || (fills && isPictured(layer.strokes)) ? "multiply" : "source-over";
       context.drawImage(paper ? this.inks.of(layer).canvas : this.#withoutPaper(layer, stale), 0, 0, doc.width, doc.height);
     }
     context.globalAlpha = 1;

@@ -34,6 +34,9 @@ export function kindOf(strokes) {
   return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => !stroke.paper && hasHoles(stroke.picture)) };
 }
 
+/** Whether there are pictures, whose paper or paint would hide fills under it. @param {import("./document.js").Stroke[]} strokes */
+export const isPictured = (strokes) => strokes.some(({ kind }) => kind === "picture");
+
 /** Whether imported pictures have paper, which would hide what is under it. @param {import("./document.js").Stroke[]} strokes */
 export function hasPaper(strokes) {
   const { channels, onPaper } = kindOf(strokes);
@@ -94,17 +97,21 @@ export function inkAt(doc, longest, what = "lines") {
 export function linesAt(doc, longest, filled = false) {
   const { width, height } = doc;
   const layers = doc.layers.filter(({ visible }) => visible);
-  const [first, ...others] = layers.map(({ strokes }) => inkAt({ width, height, strokes }, longest).canvas);
+  const [first, ...others] = layers.map(({ strokes }) => {
+    const { canvas } = inkAt({ width, height, strokes }, longest);
+    if (filled) {
+      const context = context2d(canvas);
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.globalCompositeOperation = isPictured(strokes) ? "multiply" : "destination-over";
+      context.drawImage(inkAt({ width, height, strokes }, longest, "fills").canvas, 0, 0);
+    }
+    return canvas;
+  });
   if (!first) return inkAt({ width, height, strokes: [] }, longest).canvas;
   const context = context2d(first);
   context.setTransform(1, 0, 0, 1, 0, 0);
-  const fill = (/** @type {GlobalCompositeOperation} */ way, /** @type {import("./document.js").Stroke[]} */ strokes) => {
-    context.globalCompositeOperation = way;
-    if (filled) context.drawImage(inkAt({ width, height, strokes }, longest, "fills").canvas, 0, 0);
-  };
-  fill(hasPaper(layers[0].strokes) ? "multiply" : "destination-over", layers[0].strokes);
   for (const [i, canvas] of others.entries()) {
-    fill("source-over", layers[i + 1].strokes);
+    // The paper of an imported picture would hide what is behind it.
     context.globalCompositeOperation = hasPaper(layers[i + 1].strokes) ? "multiply" : "source-over";
     context.drawImage(canvas, 0, 0);
   }

@@ -2,6 +2,7 @@
 
 import { context2d } from "../drawing/canvas.js";
 import { LONGEST_NAME, MOST_LAYERS, changedLayer, withLayerMoved, withNewLayer, withoutLayer } from "../drawing/document.js";
+import { isPictured } from "../drawing/ink.js";
 import { $, enable, label, make } from "../elements/dom.js";
 import { icon } from "../elements/icons.js";
 import { recalled, remember } from "../elements/settings.js";
@@ -44,7 +45,10 @@ class Thumbnails {
     const scale = side / Math.max(width, height);
     context.imageSmoothingQuality = "high";
     const fills = this.inks.underLines(layer);
-    for (const each of fills ? [fills, lines] : [lines]) context.drawImage(each, (side - width * scale) / 2, (side - height * scale) / 2, width * scale, height * scale);
+    for (const each of fills ? [fills, lines] : [lines]) {
+      context.globalCompositeOperation = isPictured(layer.strokes) ? "multiply" : "source-over";
+      context.drawImage(each, (side - width * scale) / 2, (side - height * scale) / 2, width * scale, height * scale);
+    }
     this.#known.set(layer.id, { strokes: layer.strokes, width, height, picture });
     return picture;
   }
