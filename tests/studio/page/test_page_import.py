@@ -3,6 +3,7 @@
 import io
 import zipfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -418,6 +419,11 @@ def test_a_fill_colours_the_paint_of_a_picture(studio: Studio, tmp_path: Path) -
     page.locator("#view-lit").click()
     page.locator("#material-colours").click()
     page.mouse.move(2, 2)
-    for at in (studio.on_board(SIDE / 2 + 20, SIDE / 2), studio.on_result(SIDE / 2 + 20, SIDE / 2)):
-        column, row = map(round, at)
-        studio.until(lambda at=(row, column): studio.screen()[at].astype(int), lambda it: it[0] > it[2] + 100)
+    for x, y in (studio.on_board(SIDE / 2 + 20, SIDE / 2), studio.on_result(SIDE / 2 + 20, SIDE / 2)):
+        pixel = round(y), round(x)
+        studio.until(partial(orange_at, studio, pixel), bool)
+
+
+def orange_at(studio: Studio, pixel: tuple[int, int]) -> bool:
+    red, _, blue = studio.screen()[pixel].astype(int)
+    return bool(red > blue + 100)
