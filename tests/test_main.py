@@ -1,5 +1,7 @@
+import contextlib
 import errno
 import os
+import pty
 import re
 import subprocess
 import sys
@@ -164,6 +166,27 @@ def test_without_the_extra_a_drawing_is_predicted(tmp_path: Path) -> None:
     program = f"import sys; {hidden}; from normalgan.__main__ import main; sys.exit(main({arguments}))"
     subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
     assert (tmp_path / "maps" / "fox_normal.png").exists()
+
+
+def test_without_the_extra_several_drawings_are_predicted_on_a_terminal(tmp_path: Path) -> None:
+    hidden = "; ".join(f"sys.modules[{name!r}] = None" for name in TRAINING_LIBRARIES)
+    sketches = Path(__file__).parents[1] / "examples" / "sketches"
+    drawings = [str(sketches / name) for name in ("fox.png", "dog.png")]
+    arguments = ["generate", *drawings, "-o", str(tmp_path / "maps")]
+    program = f"import sys; {hidden}; from normalgan.__main__ import main; sys.exit(main({arguments}))"
+    shown, terminal = pty.openpty()
+    said = b""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.DEVNULL, stderr=terminal
+    ) as process:
+        os.close(terminal)
+        with contextlib.suppress(OSError):  # a terminal that nobody writes to any more
+            while part := os.read(shown, 2**16):
+                said += part
+    os.close(shown)
+    assert process.returncode == 0, said
+    assert b"drawings" in said
+    assert len(list((tmp_path / "maps").iterdir())) == 2
 
 
 def test_the_libraries_of_the_extra_are_those_of_the_project() -> None:

@@ -30,6 +30,12 @@ assert find_spec("torch") is None, "torch was installed without the extra"
 normalgan.load("shipped")(sys.argv[1]).save("python.png")
 CHECK
 cmp map.png python.png
+# On a terminal, several drawings have a progress bar.
+mkdir two
+cp "$drawing" two/a.png
+cp "$drawing" two/b.png
+script --quiet --return --command "$normalgan generate two -o maps" /dev/null >/dev/null
+cmp map.png maps/b_normal.png
 # A command that needs the extra says so.
 "$normalgan" fit --config quickstart 2>said.txt && exit 1
 grep -q "normalgan\\[train\\]" said.txt

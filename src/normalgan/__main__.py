@@ -27,7 +27,7 @@ from normalgan.errors import (
 
 TRAINING_LIBRARIES = (
     *("torch", "lightning", "torchmetrics", "safetensors", "onnx", "kornia", "embreex", "mapbox_earcut"),
-    *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
+    *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib"),
 )
 """Import names of the packages in pyproject.toml's ``train`` extra."""
 
