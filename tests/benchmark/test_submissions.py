@@ -278,6 +278,8 @@ def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: 
     ("order", "sign", "said"),
     [
         ([0, 1, 2], [-1, 1, 1], "seem to have a flipped red channel: y agrees .* and x contradicts"),
+        ([0, 1, 2], [-1, -1, 1], "seem to have flipped red and green channels: x and y contradict"),
+        ([0, 1, 2], [1, 1, -1], r"point away from the viewer: z is -0\.\d\d on average"),
         (
             [2, 1, 0],
             [1, 1, 1],

@@ -98,7 +98,7 @@ class Submission:
 
 
 def _check_axes(folder: Path, maps: Tensor, batch: Batch) -> None:
-    """Raise `InputError` if the truth shows that red or green is flipped, or that two channels are exchanged.
+    """Raise `InputError` if the truth shows that channels are flipped, or that two are exchanged.
 
     Args:
         folder: folder of the submission.
@@ -120,6 +120,12 @@ def _check_axes(folder: Path, maps: Tensor, batch: Batch) -> None:
                 f"agrees with the true normals (correlation {own[other]:.2f}) and {'xy'[flipped]} "
                 f"contradicts them ({own[flipped]:.2f}); write {advice}."
             )
+    if max(own[:2]) < -0.2:
+        raise InputError(
+            f"the maps in {folder} seem to have flipped red and green channels: x and y contradict the true "
+            f"normals (correlations {own[0]:.2f} and {own[1]:.2f}), as if the object were hollow; write red "
+            "to the right and green up."
+        )
     for one, other in combinations(range(3), 2):
         crossed = min(found[one][other], found[other][one])
         clear = crossed > 0.1 and max(found[one][other], found[other][one]) > 0.2  # z varies little
@@ -130,6 +136,11 @@ def _check_axes(folder: Path, maps: Tensor, batch: Batch) -> None:
                 f"{max(own[one], own[other]):.2f} or less with its own); write the channels in the order "
                 "red, green, blue."
             )
+    if (z := float(maps[:, 2][on].mean())) < -0.2:
+        raise InputError(
+            f"the maps in {folder} point away from the viewer: z is {z:.2f} on average on the object; write "
+            "blue so that above 128 it points to the viewer."
+        )
 
 
 def read_submission(folder: Path) -> Submission:
