@@ -95,6 +95,35 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
             trainer(tmp_path / "new", callbacks=[StartFrom(start)]).fit(wider, data(meshes, cache))
 
 
+def of_class(other: Path, **settings: object) -> Path:
+    """Name the class and the settings of the generator in a checkpoint, as the command line saves them."""
+    content = torch.load(other, weights_only=True)
+    content["hyper_parameters"]["generator"] = settings
+    torch.save(content, other)
+    return other
+
+
+def test_a_generator_of_another_class_with_weights_of_equal_shapes_is_refused(
+    other: Path, meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    of_class(other, class_path="normalgan.models.TiledGenerator", init_args={"widths": [4]})
+    run = trainer(tmp_path / "new", max_steps=0, callbacks=[StartFrom(str(other))])
+    with pytest.raises(
+        InputError, match=r"whose generator is another one .*class_path: normalgan\.models\.Til"
+    ):
+        run.fit(gan(), data(meshes, cache))
+
+
+def test_settings_that_the_weights_were_not_trained_with_are_warned_about(
+    other: Path, meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    # A class that lay elsewhere when it was trained is known by its name.
+    of_class(other, class_path="gone.UNetGenerator", init_args={"size": 32, "width": 4, "dropout": 0.25})
+    run = trainer(tmp_path / "new", max_steps=0, callbacks=[StartFrom(str(other))])
+    with pytest.warns(UserWarning, match=r"was trained with dropout 0\.25 \(the run has 0\.5\)\.$"):
+        run.fit(gan(), data(meshes, cache))
+
+
 def test_configurations_that_go_on_from_the_shipped_weights_build_their_generator() -> None:
     notes = read_weights(SHIPPED).notes
     for name in ("tuned", "shipped"):

@@ -1,5 +1,6 @@
 """StartFrom: initialise a run with the weights of another run."""
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,11 @@ from normalgan.errors import InputError
 from normalgan.files.addresses import is_address
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
-from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.registry import Registry
+from normalgan.weights.checkpoint import REGISTRIES, read_checkpoint
+from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 from normalgan.weights.file import SUFFIXES, read_weights
+from normalgan.weights.network import naming_model
 from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
 
@@ -26,7 +30,8 @@ class StartFrom(Callback):
 
     Args:
         weights: safetensors, an exported ONNX file, a checkpoint, or ``shipped`` for the package's own
-            weights. The generator must have the same class and settings as that of the run.
+            weights. The generator must have the same class as that of the run, and weights of the same
+            shapes; settings that differ are warned about.
         grow: whether the weights belong to a smaller network, with half the resolution, fewer channels or
             fewer blocks; see `normalgan.models.growth`.
         discriminator: whether to load the discriminator's weights too, from a checkpoint.
@@ -88,16 +93,41 @@ def _load(
         InputError: if the networks differ; the message has the settings as they are written in YAML.
     """
     network: Module | None = getattr(model, name)
+    saved = None
+    if isinstance(settings, Mapping) and "class_path" in settings:
+        with naming_model(path):
+            saved = ClassSpec.of(settings, ANY_NUMBER)
     own = {key: tensor.shape for key, tensor in network.state_dict().items()} if network else None
-    if network is None or {key: tensor.shape for key, tensor in tensors.items()} != own:
-        known = isinstance(settings, Mapping) and "class_path" in settings
-        written = yaml.safe_dump({name: settings}, default_flow_style=True, sort_keys=False, width=10_000)
-        its = f": model: {written.strip()}" if known else "."
+    fits = {key: tensor.shape for key, tensor in tensors.items()} == own
+    if network is None or not fits or (saved and not _is_of(network, saved, REGISTRIES[name][0])):
+        its = "."
+        if saved:
+            written = yaml.safe_dump({name: settings}, default_flow_style=True, sort_keys=False, width=10_000)
+            its = f": model: {written.strip()}"
         raise InputError(
             f"StartFrom was given {path}, whose {name} is another one than the run's; give both the same "
             f"class and settings{its}"
         )
+    if saved and (other := _other_settings(network, saved)):
+        warnings.warn(f"StartFrom: the {name} in {path} was trained with {other}.", stacklevel=2)
     network.load_state_dict(dict(tensors))
+
+
+def _is_of(network: Module, saved: ClassSpec, registry: Registry[Any]) -> bool:
+    """Return whether a network has the class that a file names; a class not found here is known by name."""
+    found = registry.find(saved.name)
+    return type(network) is found if found else type(network).__name__ == saved.name.rpartition(".")[2]
+
+
+def _other_settings(network: Module, saved: ClassSpec) -> str:
+    """Return the saved settings that the network does not have, with both values."""
+    own = ClassSpec.of_object(network)
+    settings = own.settings if own else {}
+    return ", ".join(
+        f"{key} {value} (the run has {settings[key]})"
+        for key, value in saved.settings.items()
+        if key in settings and settings[key] != value
+    )
 
 
 def _grow(path: Path, network: Module) -> None:
