@@ -47,6 +47,8 @@ def test_normals_and_heights_are_turned_into_each_other(hill: Path, tmp_path: Pa
     found = cv2.imread(str(height), cv2.IMREAD_UNCHANGED)
     assert found is not None
     assert np.abs((found - found.mean()) - (HEIGHT - HEIGHT.mean())).max() < 0.4
+    assert main(["convert", str(height), "-o", str(normals), "--from", "height", "--scale", "1"]) == 0
+    assert off(normals, NORMALS) < 1.5
     grey = tmp_path / "grey.png"
     write_bytes(grey, encode_grey((HEIGHT / 8).astype(np.float32), ".png", 16))
     assert main(["convert", str(grey), "-o", str(normals), "--from", "height", "--scale", "8"]) == 0
@@ -111,7 +113,10 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
     [
         (["-o", "x.jpg"], "x.jpg must end in one of .png .exr .tif .tiff"),
         (["-o", "x.exr", "--to", "height"], "the height map x.exr must end in .png, .tif or .tiff"),
-        (["-o", "x.png", "--from", "height"], "needs --scale"),
+        (
+            ["-o", "x.png", "--from", "height"],
+            "needs --scale: the pixels from black to white; 1 for a TIFF of heights in pixels",
+        ),
         (["-o", "x.png", "--to", "height", "--bits", "16"], "--bits applies to an output normal map"),
         (
             ["-o", "x.tiff", "--to", "height", "--scale", "4"],

@@ -28,7 +28,9 @@ def run(arguments: list[str]) -> int:
     refuse_empty(settings, "output", "detail")
     output = Path(settings.output)
     if settings["from"] == "height" and settings.scale is None:
-        raise InputError("a height map needs --scale: the pixels from black to white.")
+        raise InputError(
+            "a height map needs --scale: the pixels from black to white; 1 for a TIFF of heights in pixels."
+        )
     if output.resolve() in [Path(each).resolve() for each in (settings.map, settings.detail) if each]:
         raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
     if settings["from"] == "height":
@@ -102,7 +104,8 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--scale",
         type=float | None,
-        help="pixels from black to white of a height map; by default the whole range of the heights",
+        help="pixels from black to white of a height map, or pixels per unit of a TIFF of floats; if a PNG "
+        "is written, by default the whole range of the heights",
     )
     parser.add_argument("--detail", type=str | None, help="normal map of details to add; it is tiled")
     parser.add_argument(
