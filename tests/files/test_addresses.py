@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import http.server
+import re
 import socket
 import subprocess
 import sys
@@ -41,11 +42,13 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if "/slow/headers/" in self.path:
             self._drip()
         self.asked.append(f"{self.command} {self.path}")
-        there = self.path.endswith("model.onnx") and "/private/" not in self.path
+        there = self.path.endswith("model.onnx") and not re.search("/private/|/v9/", self.path)
         self.send_response(200 if there else 404)
         content = SHIPPED.read_bytes() if there else b""
         if "/private/" in self.path:
             self.send_header("X-Error-Code", "RepoNotFound")
+        elif "/v9/" in self.path:
+            self.send_header("X-Error-Code", "RevisionNotFound")
         elif not there:
             self.send_header("X-Error-Code", "EntryNotFound")
         self.send_header("ETag", f'"{SHA}"')
@@ -219,7 +222,11 @@ def test_a_model_on_the_hub(
 ) -> None:
     monkeypatch.setenv("HF_HOME", str(tmp_path / "hub"))  # read when the library is imported
     address = f"hf://owner/name@v1#sha256={SHA}"
-    wrong = [f"hf://owner/name/other.bin#sha256={SHA}", f"hf://private/name#sha256={SHA}"]
+    wrong = [
+        f"hf://owner/name/other.bin#sha256={SHA}",
+        f"hf://private/name#sha256={SHA}",
+        f"hf://owner/name@v9#sha256={SHA}",
+    ]
     # The right one comes last: what is kept is found by its hash, whatever the address.
     command = [sys.executable, "-c", LOAD, *wrong, address]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -227,9 +234,23 @@ def test_a_model_on_the_hub(
     assert size == "256"
     assert refusals[0].startswith("owner/name on the hub has no file other.bin")
     assert refusals[1].startswith("the hub has no repository private/name")
-    assert len(refusals) == 2
+    assert refusals[2].startswith("owner/name on the hub has no revision v9")
+    assert len(refusals) == 3
     assert "GET /owner/name/resolve/v1/model.onnx" in asked[-1] or COMMIT in asked[-1]
     assert [kept.address for kept in kept_files()] == [address]
+
+
+@pytest.mark.slow
+def test_a_hub_that_does_not_answer_is_told_in_a_sentence(
+    server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        monkeypatch.setenv("HF_ENDPOINT", f"http://127.0.0.1:{taken.getsockname()[1]}")
+    monkeypatch.setenv("HF_HOME", str(tmp_path / "hub"))
+    command = [sys.executable, "-c", LOAD, f"hf://owner/name#sha256={SHA}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert re.fullmatch(r"hf://owner/name does not answer: .*refused\.", done.stdout.strip())
+    assert not (tmp_path / "kept").exists()
 
 
 def test_the_hub_needs_an_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

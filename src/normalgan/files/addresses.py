@@ -242,7 +242,13 @@ def _hub_place(address: str) -> tuple[str, str | None, str]:
 def _from_hub(address: Address) -> bytes:
     try:
         from huggingface_hub import hf_hub_download
-        from huggingface_hub.errors import EntryNotFoundError, HfHubHTTPError, RepositoryNotFoundError
+        from huggingface_hub.errors import (
+            EntryNotFoundError,
+            HfHubHTTPError,
+            LocalEntryNotFoundError,
+            RepositoryNotFoundError,
+            RevisionNotFoundError,
+        )
     except ImportError:
         raise InputError(
             f"{address.text} needs huggingface_hub; install it with pip install 'normalgan[hub]'."
@@ -250,8 +256,12 @@ def _from_hub(address: Address) -> bytes:
     repository, revision, name = _hub_place(address.text)
     try:
         path = hf_hub_download(repository, name, revision=revision, endpoint=os.environ.get("HF_ENDPOINT"))
+    except LocalEntryNotFoundError as error:  # neither on the hub, which is out of reach, nor in its cache
+        raise InputError(f"{address.text} does not answer: {brief(error.__cause__ or error)}.") from error
     except EntryNotFoundError as error:
         raise InputError(f"{repository} on the hub has no file {name}.") from error
+    except RevisionNotFoundError as error:
+        raise InputError(f"{repository} on the hub has no revision {revision}.") from error
     except RepositoryNotFoundError as error:
         raise InputError(f"the hub has no repository {repository}, or it is private.") from error
     except (HfHubHTTPError, OSError, ValueError) as error:
