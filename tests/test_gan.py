@@ -8,7 +8,7 @@ import pytest
 import torch
 import yaml
 from lightning.pytorch import Callback, LightningModule, Trainer
-from lightning.pytorch.callbacks import GradientAccumulationScheduler
+from lightning.pytorch.callbacks import GradientAccumulationScheduler, StochasticWeightAveraging
 from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
@@ -339,6 +339,13 @@ def test_accumulating_gradients_by_a_callback_is_refused_in_a_whole_sentence(tmp
         InputError, match=r"Scheduler cannot be used, .* by hand; use a larger data\.batch_size"
     ):
         run.fit(make(), loader())
+
+
+def test_the_average_of_lightning_is_refused_as_its_last_epoch_would_train(tmp_path: Path) -> None:
+    run = trainer(tmp_path, max_epochs=2, callbacks=[StochasticWeightAveraging(1e-3)])
+    with pytest.raises(InputError, match=r"StochasticWeightAveraging cannot be used, .*; use WarmAverage\.$"):
+        run.fit(make(discriminator=None), loader())
+    assert run.global_step == 0
 
 
 def dropping(dropout: nn.Module) -> Generator:

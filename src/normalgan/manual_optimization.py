@@ -5,7 +5,12 @@ from collections.abc import Callable, Iterable
 from typing import cast
 
 from lightning.pytorch import LightningModule
-from lightning.pytorch.callbacks import Callback, GradientAccumulationScheduler, LearningRateFinder
+from lightning.pytorch.callbacks import (
+    Callback,
+    GradientAccumulationScheduler,
+    LearningRateFinder,
+    StochasticWeightAveraging,
+)
 from lightning.pytorch.cli import OptimizerCallable
 from lightning.pytorch.core.optimizer import LightningOptimizer
 from torch import Tensor, nn
@@ -22,6 +27,8 @@ _MONITOR = "val/hints/angular_mean"
 _INSTEAD: dict[type[Callback], str] = {
     GradientAccumulationScheduler: "use a larger data.batch_size",
     LearningRateFinder: "compare rates with a sweep",
+    # Its last epoch measures the statistics of batch norm, and would train the averaged weights.
+    StochasticWeightAveraging: "use WarmAverage",
 }
 """Callbacks that work only if Lightning steps the optimisers, and what to do instead."""
 
