@@ -220,6 +220,7 @@ def test_a_setting_that_lightning_refuses_while_it_runs_is_an_error_in_the_setti
     ):
         outcome = bench.run("fit", tmp_path / str(number), *given)
         outcome.refused("a setting cannot be used: ", str(given[-1]))
+    outcome.refused("use any of the following: `val/hints/")  # of dozens, those that one stops by
     bug = RuntimeError("of a plug-in")
     with pytest.raises(RuntimeError) as raised:
         raise bug

@@ -64,6 +64,7 @@ from normalgan.cli.training.trainer import (
     check_trainer,
     keep_earlier_logs,
     refused_by_lightning,
+    validation_first,
 )
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import CommandExit, InputError, brief, printable, tell
@@ -345,7 +346,7 @@ def run(arguments: list[str]) -> int:
         except (ValueError, RuntimeError) as error:
             if isinstance(error, InputError) or not refused_by_lightning(error):
                 raise
-            reason = shorten(brief(error), 250, placeholder=" …")
+            reason = shorten(validation_first(brief(error)), 250, placeholder=" …")
             raise InputError(f"a setting cannot be used: {reason}") from error
         except SIGTERMException:
             return 128 + signal.SIGTERM

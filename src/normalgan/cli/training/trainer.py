@@ -104,6 +104,16 @@ def refused_by_lightning(error: Exception) -> bool:
     return of_lightning and stated and third_party_place(error) is None
 
 
+def validation_first(reason: str) -> str:
+    """Return a message of Lightning with the metrics of validation first, because long lists are shortened.
+
+    >>> validation_first("use any of the following: `l1`, `val/own`")
+    'use any of the following: `val/own`, `l1`'
+    """
+    said, mark, names = reason.partition("any of the following: ")
+    return said + mark + ", ".join(sorted(names.split(", "), key=lambda name: not name.startswith("`val/")))
+
+
 def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
     """Let each command log to its own ``lightning_logs/version_N/metrics.csv``.
 
