@@ -3,7 +3,7 @@
 #     make release   (or: python -m build), then
 #     docker build -t normalgan .
 #     docker run --rm -p 127.0.0.1:8400:8400 -v normalgan:/home/normalgan normalgan
-#     docker run --rm -v "$PWD:/work" normalgan generate drawing.png -o drawing_normal.png
+#     docker run --rm --user "$(id -u)" -v "$PWD:/work" normalgan generate drawing.png -o drawing_normal.png
 #
 # Publish the port on 127.0.0.1 only: the studio has no password.
 FROM python:3.12-slim
