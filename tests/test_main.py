@@ -168,6 +168,22 @@ def test_without_the_extra_a_drawing_is_predicted(tmp_path: Path) -> None:
     assert (tmp_path / "maps" / "fox_normal.png").exists()
 
 
+def test_without_the_extra_python_says_what_needs_it(tmp_path: Path) -> None:
+    (tmp_path / "mine.ckpt").write_bytes(b"")
+    hidden = "; ".join(f"sys.modules[{name!r}] = None" for name in TRAINING_LIBRARIES)
+    for call, raised in (
+        ("normalgan.load('mine.ckpt')", "InputError: mine.ckpt, which is not an ONNX file, needs torch"),
+        ("normalgan.NormalGAN", "ModuleNotFoundError: normalgan.NormalGAN needs torch"),
+        ("normalgan.hints", "ModuleNotFoundError: normalgan.hints needs torch"),
+    ):
+        program = f"import sys; {hidden}; import normalgan; {call}"
+        ran = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path
+        )
+        assert raised in ran.stderr.splitlines()[-1]
+        assert ran.stderr.endswith("install it with pip install 'normalgan[train]'.\n")
+
+
 def test_without_the_extra_several_drawings_are_predicted_on_a_terminal(tmp_path: Path) -> None:
     hidden = "; ".join(f"sys.modules[{name!r}] = None" for name in TRAINING_LIBRARIES)
     sketches = Path(__file__).parents[1] / "examples" / "sketches"

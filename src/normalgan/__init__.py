@@ -55,10 +55,14 @@ _PACKAGES = ("hints", "metrics", "models", "losses")
 def __getattr__(name: str) -> Any:
     if name == "__version__":  # looking it up takes as long as the rest of ``normalgan --help``
         return import_module("normalgan.version").__version__
-    if name in _PACKAGES:
-        return import_module(f"normalgan.{name}")
-    if name in _MODULES:
-        return getattr(import_module(_MODULES[name]), name)
+    try:
+        if name in _PACKAGES:
+            return import_module(f"normalgan.{name}")
+        if name in _MODULES:
+            return getattr(import_module(_MODULES[name]), name)
+    except ModuleNotFoundError as error:
+        sentence = import_module("normalgan.errors").without_extra(f"normalgan.{name}", error)
+        raise ModuleNotFoundError(sentence or str(error), name=error.name) from error
     raise AttributeError(f"module 'normalgan' has no attribute {name!r}")
 
 

@@ -14,6 +14,7 @@ from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training.help import asked_for, overview
 from normalgan.errors import (
+    TRAINING_LIBRARIES,
     CommandExit,
     InputError,
     RunError,
@@ -23,13 +24,8 @@ from normalgan.errors import (
     tell,
     third_party_place,
     wants_memory,
+    without_extra,
 )
-
-TRAINING_LIBRARIES = (
-    *("torch", "lightning", "torchmetrics", "safetensors", "onnx", "kornia", "embreex", "mapbox_earcut"),
-    *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib"),
-)
-"""Import names of the packages in pyproject.toml's ``train`` extra."""
 
 __all__ = ["COMMANDS", "OTHERS", "TRAINING_LIBRARIES", "USAGE", "main"]
 
@@ -115,9 +111,8 @@ def _unknown(command: str) -> str:
 
 def _known(error: Exception, command: str) -> tuple[str, int] | None:
     """Return the message and exit code of an error that the user can fix."""
-    if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] in TRAINING_LIBRARIES:
-        left_out = f"{command} needs {error.name}, which a plain installation leaves out"
-        return f"{left_out}; install it with pip install 'normalgan[train]'.", 2
+    if isinstance(error, ModuleNotFoundError) and (sentence := without_extra(command, error)):
+        return sentence, 2
     if wants_memory(error):
         return "out of memory; reduce data.batch_size, data.size or the networks' width.", 1
     return None

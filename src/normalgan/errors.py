@@ -23,6 +23,13 @@ FOREIGN_ERRORS = (Exception, SystemExit)
 """What third-party code may raise; ``sys.exit`` in a plug-in would otherwise end the command silently."""
 
 
+TRAINING_LIBRARIES = (
+    *("torch", "lightning", "torchmetrics", "safetensors", "onnx", "kornia", "embreex", "mapbox_earcut"),
+    *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib"),
+)
+"""Import names of the packages in pyproject.toml's ``train`` extra."""
+
+
 class InputError(ValueError):
     """Invalid input from the user: a file, a folder, a setting.
 
@@ -72,6 +79,20 @@ def wants_memory(error: BaseException) -> bool:
     """
     said = ("out of memory", "can't allocate", "Cannot allocate", "bad_alloc", "Failed to allocate memory")
     return isinstance(error, MemoryError) or any(each in str(error) for each in said)
+
+
+def without_extra(what: object, error: ModuleNotFoundError) -> str:
+    """Return a sentence that asks for the ``train`` extra if one of its libraries is missing, else nothing.
+
+    >>> without_extra("fit", ModuleNotFoundError(name="torch"))
+    "fit needs torch, which a plain installation leaves out; install it with pip install 'normalgan[train]'."
+    """
+    if str(error.name).partition(".")[0] not in TRAINING_LIBRARIES:
+        return ""
+    return (
+        f"{what} needs {error.name}, which a plain installation leaves out; install it with pip install "
+        "'normalgan[train]'."
+    )
 
 
 def with_subject(what: object, error: InputError) -> InputError:

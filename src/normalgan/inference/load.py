@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, without_extra
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.predictor import Predictor
@@ -22,7 +22,7 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
         size: side in pixels of the pictures of a checkpoint's training; None if the file records it.
 
     Raises:
-        InputError: if the file is not a usable model.
+        InputError: if the file is not a usable model, or needs PyTorch, which is not installed.
     """
     backend = _backend(str(path_or_name), size)
     if size not in (None, backend.size):
@@ -37,10 +37,13 @@ def _backend(name: str, size: int | None) -> Backend:
     path = find_model(name)
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)
-    # Imported here because torch takes seconds to import.
-    from normalgan.inference.network.torch_backend import TorchBackend
-    from normalgan.weights.checkpoint import read_model
-
+    try:  # imported here because torch takes seconds to import
+        from normalgan.inference.network.torch_backend import TorchBackend
+        from normalgan.weights.checkpoint import read_model
+    except ModuleNotFoundError as error:
+        if sentence := without_extra(f"{path}, which is not an ONNX file,", error):
+            raise InputError(sentence) from error
+        raise
     weights = read_model(path, size)
     notes = weights.notes
     return TorchBackend(weights.generator(), notes.size, refined=notes.refined, line_widths=notes.line_widths)
