@@ -99,3 +99,33 @@ def test_a_misspelt_monitor_is_refused_before_the_run_trains(
     ):
         run.fit(make(), loader(), loader())
     assert run.global_step == 0
+
+
+@pytest.mark.parametrize(
+    ("metric", "mode", "sentence"),
+    [
+        ("mask_iou", "min", "mask_iou with the mode min, but higher is better; set its mode to max"),
+        ("below_11_25", "min", "higher is better"),
+        ("angular_mean", "max", "angular_mean with the mode max, but lower is better; set its mode to min"),
+    ],
+)
+@pytest.mark.parametrize("callback", [EarlyStopping, ModelCheckpoint])
+def test_the_worst_of_a_metric_is_not_taken_for_its_best(
+    tmp_path: Path, callback: Callable[..., Callback], metric: str, mode: str, sentence: str
+) -> None:
+    stopping = callback(monitor=f"val/no_hints/{metric}", mode=mode)
+    run = trainer(tmp_path, callbacks=[stopping], enable_checkpointing=True)
+    with pytest.raises(InputError, match=sentence):
+        run.fit(make(), loader(), loader())
+    assert run.global_step == 0
+
+
+def test_a_plateau_of_the_other_direction_is_refused(tmp_path: Path) -> None:
+    best = ModelCheckpoint(tmp_path, monitor="val/hints/mask_iou", mode="max")
+    gan = make(lr_scheduler=plateau, generator_optimizer=partial(RMSprop, lr=1e-3))
+    run = trainer(tmp_path, max_epochs=2, callbacks=[best], enable_checkpointing=True)
+    with pytest.raises(
+        InputError, match=r"has the mode min, .* has max; set mode of model\.lr_scheduler to max"
+    ):
+        run.fit(gan, loader(), loader())
+    assert run.global_step == 0

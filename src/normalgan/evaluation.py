@@ -1,6 +1,6 @@
 """EvaluationSteps: prediction, validation and testing of a generator."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 import torch
@@ -60,12 +60,13 @@ class EvaluationSteps(LightningModule):
         """Create the metrics of a stage.
 
         Raises:
-            InputError: if a callback of a training run monitors a metric that validation does not log.
+            InputError: if a callback of a training run monitors a metric that validation does not log, or
+                takes its worst for its best.
         """
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
             if stage == "fit":
-                _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.names())
+                _check_monitors(getattr(self.trainer, "callbacks", []), self.val_metrics.higher_is_better())
         elif stage == "test":
             self.test_metrics = StageMetrics("test", ("hints", "off_hints", "no_hints"))
 
@@ -203,13 +204,18 @@ class EvaluationSteps(LightningModule):
                     module.train()
 
 
-def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
+def _check_monitors(callbacks: Iterable[object], known: Mapping[str, bool | None]) -> None:
     """Check that the metrics by which callbacks stop or save are those that validation logs.
+
+    Args:
+        callbacks: callbacks of the run.
+        known: whether higher is better, by name of metric.
 
     Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
 
     Raises:
-        InputError: if a name is unknown; otherwise Lightning finds it only after the first epoch.
+        InputError: if a name is unknown, which Lightning finds only after the first epoch, or if a callback
+            takes the lowest of a metric for its best where higher is better, as Lightning does by default.
     """
     rows = tuple(dict.fromkeys(name.rpartition("/")[0] + "/" for name in known))
     figures = dict.fromkeys(name.rpartition("/")[2] for name in known)
@@ -219,4 +225,11 @@ def _check_monitors(callbacks: Iterable[object], known: Sequence[str]) -> None:
             raise InputError(
                 f"{type(callback).__name__} monitors {name}, which validation does not log."
                 f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
+            )
+        higher = known.get(name) if isinstance(name, str) else None
+        right, mode = "max" if higher else "min", getattr(callback, "mode", None)
+        if higher is not None and mode in {"min", "max"} - {right}:
+            raise InputError(
+                f"{type(callback).__name__} monitors {name} with the mode {mode}, but "
+                f"{'higher' if higher else 'lower'} is better; set its mode to {right}."
             )

@@ -87,7 +87,8 @@ class ManualOptimization(LightningModule):
         """Restore ``max_steps``, and end a cosine schedule with the run, also if it is resumed for longer.
 
         Raises:
-            InputError: if a one-cycle schedule has another length than the run.
+            InputError: if a one-cycle schedule has another length than the run, or a plateau is sought in the
+                wrong direction.
         """
         self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps
         epochs = self.trainer.max_epochs
@@ -96,6 +97,8 @@ class ManualOptimization(LightningModule):
                 _end_cosine_at(config.scheduler, epochs)
             if isinstance(config.scheduler, OneCycleLR) and epochs is not None and epochs > 0:
                 _check_one_cycle(config.scheduler, epochs)
+            if isinstance(config.scheduler, ReduceLROnPlateau):
+                _check_plateau(config.scheduler, self.trainer.checkpoint_callbacks)
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
         """Clip the generator's gradient, after mixed precision has unscaled it."""
@@ -176,6 +179,21 @@ def _check_one_cycle(schedule: OneCycleLR, epochs: int) -> None:
             f"OneCycleLR has {schedule.total_steps} steps, one for each epoch, but the run has {epochs} "
             f"epochs; set total_steps of model.lr_scheduler to {epochs}. A resumed run keeps its schedule: "
             "start another run from its weights, by the callback StartFrom."
+        )
+
+
+def _check_plateau(schedule: ReduceLROnPlateau, checkpoints: Iterable[object]) -> None:
+    """Check that a schedule takes the same direction for better as the checkpoints whose monitor it follows.
+
+    Raises:
+        InputError: if it does not, because it would lower the rate while the run improves.
+    """
+    followed = next((each for each in checkpoints if getattr(each, "monitor", None)), None)
+    mode = getattr(followed, "mode", "min")
+    if schedule.mode != mode:
+        raise InputError(
+            f"ReduceLROnPlateau has the mode {schedule.mode}, but the monitor of checkpoints, which it "
+            f"follows, has {mode}; set mode of model.lr_scheduler to {mode}."
         )
 
 

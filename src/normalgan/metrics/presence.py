@@ -18,6 +18,7 @@ class _PresenceMetric(MapMetric):
     """Base class of metrics of the predicted mask, over all pixels; ``mask`` itself is ignored."""
 
     is_differentiable = False
+    higher_is_better = True
 
     both: Tensor
     total: Tensor

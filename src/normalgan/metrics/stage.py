@@ -42,9 +42,10 @@ class StageMetrics(nn.Module):
             }
         )
 
-    def names(self) -> list[str]:
-        """Return the names of all metrics."""
-        return [str(name) for row in self.rows.values() for name in cast(MetricCollection, row)]
+    def higher_is_better(self) -> dict[str, bool | None]:
+        """Return whether higher is better, by name of metric; None for one that does not say it."""
+        collections = (cast(MetricCollection, row) for row in self.rows.values())
+        return {name: each.higher_is_better for one in collections for name, each in one.items()}
 
     def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
         """Update the metrics of a row with a batch.
