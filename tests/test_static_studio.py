@@ -271,6 +271,16 @@ def test_an_opaque_rectangle_is_a_card_or_the_object_as_in_python(studio: "Page"
     assert np.count_nonzero(found != wanted) < 20
 
 
+def test_glass_in_an_opaque_outline_belongs_to_the_object_as_in_python(studio: "Page") -> None:
+    rgba = np.full((*blob().shape, 4), (120, 180, 220, 0), np.uint8)
+    rgba[..., 3] = np.rint(255 * np.maximum(0.4 * blob(), outline(blob())))
+    rgba[outline(blob()) > 0.5, :3] = 0
+    wanted = python()(rgba)
+    assert wanted.mask[100, 150]
+    found = decoded(studio.evaluate(ASK, [*encoded(rgba), {}]), wanted.mask.shape)
+    assert_near(found, wanted, share=0.98, degrees=2)
+
+
 def icon(side: int) -> NDArray[np.uint8]:
     """A red disc (side, side, 4) with a dark outline on nothing, drawn large and reduced."""
     big = np.zeros((8 * side, 8 * side, 4), np.float32)

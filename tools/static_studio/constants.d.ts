@@ -17,7 +17,7 @@ export const READER: Named<"DOUBT" | "FLAT" | "NARROWEST" | "ONE_TONE" | "PAPER"
   readonly GREY: [number, number, number]; readonly NEARER: [number, number]; readonly SIDES: [number, number];
 };
 export const REGIONS: Named<"INKED">;
-export const SILHOUETTE: Named<"HELD" | "RIM" | "SHEET" | "SURE" | "TINY">;
+export const SILHOUETTE: Named<"HELD" | "RIM" | "SHEET" | "SURE" | "TINY" | "TRANSLUCENT">;
 export const SUGGESTION: Named<"INKED" | "RIM" | "SIDE">;
 export const UNROLLING: Named<"GROUND" | "LEAST" | "SIDE" | "SLACK">;
 export const UPSAMPLING: Named<"CELL" | "ENLARGED" | "LARGEST" | "RIM">;

@@ -35,7 +35,7 @@ export class Unpaintable extends Error {
 }
 
 const { LEAST } = INK;
-const { HELD, RIM, SHEET, SURE, TINY } = SILHOUETTE;
+const { HELD, RIM, SHEET, SURE, TINY, TRANSLUCENT } = SILHOUETTE;
 
 /**
  * Prepares a drawing.
@@ -59,7 +59,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const drawn = plane.channels === 1;
   const asked = source && drawn ? null : read(plane, reader);
   const cut = alpha && asked && (await isSilhouette(plane, await asked, reader)) ? alpha : null;
-  const opaque = cut && above(cut, 0.5);
+  const opaque = cut && opaquePart(cut, width, height);
   const grey = brightness(plane, width, height);
   /** @type {Float32Array} */
   let ink = drawn ? grey.map((value) => 1 - value) : inkAt(/** @type {import("./reader.js").Reading} */ (await asked), grey, width, height);
@@ -101,20 +101,30 @@ function between(values, low, high) {
   return found.slice(0, count);
 }
 
+/** Returns the opaque part of a drawing, with the translucent areas that it encloses. @param {Float32Array} alpha @param {number} width @param {number} height */
+function opaquePart(alpha, width, height) {
+  const opaque = above(alpha, 0.5);
+  const { labels, boxes } = components(opposite(opaque), width, height, 4);
+  const translucent = new Int32Array(boxes.length);
+  for (let i = 0; i < alpha.length; i++) if (alpha[i] >= TRANSLUCENT) translucent[labels[i]]++;
+  const belongs = boxes.map((box, label) => label > 0 && box.left > 0 && box.top > 0 && box.right < width && box.bottom < height && translucent[label] > box.area / 2);
+  return where(opaque, (value, i) => value > 0 || belongs[labels[i]]);
+}
+
 /**
  * Returns whether the opaque part is an object and neither only its lines nor a card around it: according to the reader, the share of ink in it is smaller than the opaque share of the object, and the object is most of a rectangle.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {import("./reader.js").Reading} reading @param {import("./reader.js").Network} network
  */
 async function isSilhouette({ pixels, width, height, channels }, reading, network) {
   let alpha = Float32Array.from({ length: width * height }, (_, i) => pixels[4 * i + 3] / 255);
-  const opaque = above(alpha, 0.5);
+  const opaque = opaquePart(alpha, width, height);
   const found = boxOf(opaque, width, height);
   if (!found || sumOf(opaque) > SHEET * opaque.length) return false;
   let [left, top, right, bottom] = found;
   const [wide, high] = [right - left, bottom - top];
   const extent = Math.max(wide, high);
   const room = (extent >> 3) + 2;
-  const rectangle = sumOf(opaque) > SHEET * wide * high;
+  const rectangle = extent >= TINY && sumOf(opaque) > SHEET * wide * high;
   if (rectangle || extent < Math.max(width, height) / 2) {
     // The reader sees small drawings on a page poorly, and a box without room around it looks like paper.
     [left, top, right, bottom] = rectangle ? [left - room, top - room, right + room, bottom + room] : [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];

@@ -100,6 +100,23 @@ def test_a_cut_out_figure_has_its_silhouette_and_its_edge_as_a_line(paint: float
     assert_only_its_edge_is_shown(Picture(colour, FILLED))
 
 
+@pytest.mark.parametrize("glass", [0.3, 0.45])
+def test_translucent_areas_that_a_figure_encloses_belong_to_it_and_holes_do_not(glass: float) -> None:
+    lines = INK.copy()
+    lines[55:95, 155:195] = 1
+    lines[60:90, 160:190] = 0
+    alpha = np.maximum(glass * FILLED, lines).astype(np.float32)
+    alpha[60:90, 160:190] = 0
+    alpha[-3:] = glass  # a shadow below it
+    cleaned = cleaned_of(Picture(np.repeat(0.5 * (1 - lines[..., None]), 3, -1), alpha))
+    assert cleaned.silhouette is not None
+    inside = cv2.erode(FILLED, np.ones((3, 3), np.uint8)) > 0.5
+    inside[60:90, 160:190] = False
+    assert cleaned.silhouette[inside].all()
+    assert not cleaned.silhouette[60:90, 160:190].any()
+    assert not cleaned.silhouette[-3:].any()
+
+
 def test_much_black_ink_on_nothing_is_no_silhouette() -> None:
     # A black belly below a white face.
     alpha = FILLED.copy()

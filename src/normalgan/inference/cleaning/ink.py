@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.cleaning.reader import GREY, Reading, over_paper
-from normalgan.inference.cleaning.silhouette import is_silhouette, outlined
+from normalgan.inference.cleaning.silhouette import is_silhouette, opaque_part, outlined
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
@@ -54,8 +54,8 @@ def clean(
     ink = picture.darkness() if reading is None else reading.ink_at(picture)
     if repeats:
         ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
-    if picture.alpha is not None and is_silhouette(picture, reading):
-        silhouette = picture.alpha > 0.5
+    if picture.alpha is not None and is_silhouette(picture, reading, drawn_pixel):
+        silhouette = opaque_part(picture.alpha)
         ink = outlined(ink, silhouette, drawn_pixel)
     if float(ink.max()) < _LEAST:
         raise LackingError(

@@ -1,5 +1,6 @@
 """Silhouette: decide whether a drawing's opacity shows the whole object or only its ink."""
 
+import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
@@ -15,14 +16,18 @@ _SURE = 0.05
 _HELD = 0.7
 """Minimum fraction of an opaque rectangle that belongs to the object; otherwise the object is drawn on it.
 The reader finds at least 0.9 of nearly all boxes, and line drawings cover at most 0.5 of their card."""
+_TRANSLUCENT = 0.05
+"""Minimum opacity of most pixels in an enclosed area that belongs to the object, such as a bottle's glass.
+The pixels at the edge of a hole are also translucent."""
 _TINY = 24
 """Longer side of an object in drawn pixels, below which its own outline, one pixel wide, would count as an
-area. Such an area gets an inner and an outer edge, and the object becomes a ring."""
+area. Such an area gets an inner and an outer edge, and the object becomes a ring. A smaller rectangle has no
+room for a drawing."""
 _RIM = 1.75
 """Width of a tiny object's own outline in drawn pixels, measured across pixels that meet at their corners."""
 
 
-def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
+def is_silhouette(picture: Picture, reading: Reading | None = None, drawn_pixel: float = 1.0) -> bool:
     """Return whether the opaque part is an object and not just its lines, according to the reader.
 
     If the opaque part is an object, it covers nearly all of the object and is only partly ink. If it is
@@ -33,17 +38,18 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     Args:
         picture: the drawing.
         reading: the reader's output for the drawing; None runs the reader.
+        drawn_pixel: side of the original drawing's pixels in pixels of ``picture``.
     """
     colour, alpha = picture.colour, picture.alpha
     if alpha is None:
         return False
-    opaque = alpha > 0.5
+    opaque = opaque_part(alpha)
     if not opaque.any() or (opaque.mean() > _SHEET and not picture.cut_out):
         return False
     extent = extent_of(opaque)
     room = extent // 8 + 2
     within = around(opaque, 0)
-    rectangle = bool(opaque[within].mean() > _SHEET)
+    rectangle = extent >= _TINY * drawn_pixel and bool(opaque[within].mean() > _SHEET)
     if rectangle:
         # Without room around it, a box looks like paper.
         sides = (room, room), (room, room)
@@ -60,6 +66,22 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     both = float((present * alpha).sum())
     covered = both / max(int(present.sum()), 1)
     return inked <= covered + _SURE and (not rectangle or both > _HELD * float(alpha.sum()))
+
+
+def opaque_part(alpha: Floats) -> BoolMask:
+    """Return the opaque part (H, W) of a drawing, with the translucent areas that it encloses.
+
+    Args:
+        alpha: (H, W), opacity.
+    """
+    opaque = alpha > 0.5
+    count, found = cv2.connectedComponents((~opaque).view(np.uint8), connectivity=4)
+    labels = np.asarray(found, np.int32)
+    sizes = np.bincount(labels.ravel(), minlength=count)
+    belongs = np.bincount(labels.ravel(), (alpha >= _TRANSLUCENT).ravel(), count) > sizes / 2
+    belongs[np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])] = False
+    belongs[0] = False
+    return opaque | np.take(belongs, labels)
 
 
 def outlined(ink: Floats, silhouette: BoolMask, drawn_pixel: float = 1.0) -> Floats:

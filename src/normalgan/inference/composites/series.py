@@ -8,6 +8,7 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.reader import Reading
+from normalgan.inference.cleaning.silhouette import opaque_part
 from normalgan.inference.composites.steadying import steadied
 from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import bounds_of
@@ -125,7 +126,9 @@ def prepare_member(predictor: Predictor, member: Member, size: int | None = None
     if picture is member.picture or prepared.alpha is None:
         return prepared
     alpha = member.picture.resized((prepared.ink.shape[0], prepared.ink.shape[1])).alpha
-    return prepared if alpha is None else replace(prepared, alpha=member.picture.alpha, mask=alpha > 0.5)
+    return (
+        prepared if alpha is None else replace(prepared, alpha=member.picture.alpha, mask=opaque_part(alpha))
+    )
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.graphs import connected
-from normalgan.inference.cleaning.silhouette import is_silhouette
+from normalgan.inference.cleaning.silhouette import is_silhouette, opaque_part
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.series import Member
 from normalgan.inference.composites.sheets import predict_sheet
@@ -234,7 +234,7 @@ def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
     tiles is background. A tileset with neither, such as terrain, is all object.
     """
     if picture.alpha is not None:
-        return picture.alpha > 0.5, picture.alpha if is_silhouette(picture) else None
+        return opaque_part(picture.alpha), picture.alpha if is_silhouette(picture) else None
     tiles = _cut(np.rint(picture.colour / _ALIKE), grid)
     tiles = tiles.reshape(-1, *tiles.shape[2:])
     sides = [tiles[:, 0], tiles[:, -1], tiles[:, :, 0], tiles[:, :, -1]]
