@@ -216,6 +216,28 @@ def test_separate_figures_are_told_with_their_outlines_as_in_python(
         assert np.count_nonzero(one & two) > 0.95 * np.count_nonzero(one | two)
 
 
+@pytest.mark.parametrize("side", [96, 512])
+def test_figures_of_a_transparent_sheet_are_told_as_in_python(studio: "Page", side: int) -> None:
+    sheet = np.zeros((side, side, 4), np.uint8)
+    sheet[..., :3] = 255
+    for x, y, radius in ((0.25, 0.25, 0.18), (0.72, 0.3, 0.2), (0.5, 0.75, 0.2), (0.8, 0.56, 0.02)):
+        middle, wide = (round(side * x), round(side * y)), round(side * radius)
+        cv2.circle(sheet, middle, wide, (255, 255, 255, 255), -1)
+        cv2.circle(sheet, middle, wide, (0, 0, 0, 255), max(1, side // 100))
+    shown = (sheet / 255).astype(np.float32)
+    picture = Picture(shown[..., :3], shown[..., 3])
+    (wanted,) = several_figures(prepare(picture, python().size), picture)
+    assert isinstance(wanted, FiguresFinding)
+    pixels = base64.b64encode(sheet.tobytes()).decode()
+    found = studio.evaluate(ASK, [pixels, side, side, 4, {}])["findings"]
+    (said,) = (each for each in found if each["code"] == "figures")
+    assert said["count"] == wanted.count == 3  # the spark belongs to the figure next to it
+    np.testing.assert_allclose(said["places"], wanted.places, atol=1)
+    for mine, other in zip(said["outlines"], wanted.outlines, strict=True):
+        one, two = filled(mine, (side, side)), filled([list(line) for line in other], (side, side))
+        assert np.count_nonzero(one & two) > 0.9 * np.count_nonzero(one | two)  # a pixel wider or narrower
+
+
 def test_an_open_edge_that_a_layer_in_front_hides_is_not_told(studio: "Page") -> None:
     handle = open_blob(slice(80, 180))
     mug = np.rint(255 * (1 - outline(blob((200, 300), (130, 150), 45)))).astype(np.uint8)

@@ -21,7 +21,7 @@ from mkdocs.config.defaults import MkDocsConfig
 
 from normalgan.inference import edits, forms, normal_map, pipeline, regions, structures, suggestion, unrolling
 from normalgan.inference.cleaning import ink, reader, silhouette
-from normalgan.inference.composites import figures
+from normalgan.inference.composites import figures, islands, sheets
 from normalgan.inference.mask import decision, edge
 from normalgan.inference.network import extension, line_width, upsampling
 from normalgan.inference.network.onnx_backend import OnnxBackend
@@ -43,8 +43,8 @@ BINARY = "ort-wasm-simd-threaded.wasm"
 """Compressed in the site, 4 MB instead of 14, since not every host compresses; the worker unpacks it."""
 CONSTANTS = "constants.js"
 MODULES = (
-    decision, drawings, edge, edits, extension, figures, forms, ink, line_width, normal_map, pipeline, reader,
-    regions, silhouette, suggestion, unrolling, upsampling,
+    decision, drawings, edge, edits, extension, figures, forms, ink, islands, line_width, normal_map,
+    pipeline, reader, regions, sheets, silhouette, suggestion, unrolling, upsampling,
 )  # fmt: skip
 """Modules that the page's scripts reimplement with the same constants."""
 SERVICE_WORKER = "service_worker.js"

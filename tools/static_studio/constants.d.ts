@@ -10,6 +10,7 @@ export const EXTENSION: Named<"SWEEPS">;
 export const FIGURES: Named<"ALIKE" | "LEAST" | "OWN_MIDDLE" | "ROOM">;
 export const FORMS: Named<"COARSE" | "DISH" | "OUTSIDE" | "SIDE" | "SWEEPS">;
 export const INK: Named<"LEAST">;
+export const ISLANDS: Named<"BESIDE" | "FAINT" | "SMALL">;
 export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN" | "THINNEST">;
 export const NORMAL_MAP: Named<"PADDING">;
 export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;
@@ -17,6 +18,7 @@ export const READER: Named<"DOUBT" | "FLAT" | "NARROWEST" | "ONE_TONE" | "PAPER"
   readonly GREY: [number, number, number]; readonly NEARER: [number, number]; readonly SIDES: [number, number];
 };
 export const REGIONS: Named<"INKED">;
+export const SHEETS: Named<"MOST_CELLS">;
 export const SILHOUETTE: Named<"HELD" | "RIM" | "SHEET" | "SURE" | "TINY" | "TRANSLUCENT">;
 export const SUGGESTION: Named<"INKED" | "RIM" | "SIDE">;
 export const UNROLLING: Named<"GROUND" | "LEAST" | "SIDE" | "SLACK">;

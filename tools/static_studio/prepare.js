@@ -2,6 +2,7 @@
 
 import { INK, LINE_WIDTH, SILHOUETTE } from "./constants.js";
 import { decide } from "./decision.js";
+import { severalIslands } from "./figures.js";
 import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
 import { brightness, inkAt, read } from "./reader.js";
 
@@ -71,7 +72,8 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
   const rest = { width, height, map, ink, frame, seen, unsure: [], figures: [], alpha: null, covered: null };
-  if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
+  // A map of another size has no finding about figures, as in Python.
+  if (opaque && !source) return { ...rest, mask: opaque, alpha: cut, figures: map.width === plane.width ? severalIslands(plane, width / plane.width) : [] };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, source ? null : await asked) };
 }

@@ -269,3 +269,20 @@ def test_a_focus_ring_is_never_cut_off(opened: "Browser", server: Server) -> Non
         studio.page.locator("#history summary").click()
         studio.page.keyboard.press("Tab")
         assert studio.page.evaluate(clipped) == []
+
+
+def test_a_failed_prediction_is_told_until_there_is_a_map(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url, tolerate=("status of 500",)) as studio:
+        page = studio.page
+        studio.new()
+        page.clock.install()
+        page.route(
+            "**/api/predict", lambda route: route.fulfill(status=500, json={"error": "No memory left."})
+        )
+        with studio.saying("No memory left."):
+            studio.line((MIDDLE - 60, 20), (MIDDLE + 60, 20))
+        page.clock.run_for(60_000)
+        assert page.locator("#problem").is_visible()
+        page.unroute("**/api/predict")
+        studio.line((20, 40), (60, 40))
+        page.locator("#problem").wait_for(state="hidden")

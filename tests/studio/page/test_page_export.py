@@ -88,16 +88,21 @@ def test_a_larger_export_is_drawn_anew_and_not_enlarged(ball: Studio, tmp_path: 
 
 
 def test_all_files_come_in_one_zip(ball: Studio, tmp_path: Path) -> None:
+    ball.page.keyboard.press("b")
+    ball.page.locator("#fill-colour").fill("#3070c0")
+    ball.page.mouse.click(*ball.on_board(SIDE / 2, SIDE / 2))
     name = export(ball, tmp_path / "all.zip", name="fox", engine="godot", size="512")
     assert name == "fox_godot.zip"
     with zipfile.ZipFile(tmp_path / "all.zip") as archive:
-        assert len(archive.namelist()) == 10  # with what Godot imports the map by
+        assert len(archive.namelist()) == 11  # with what Godot imports the map by
         names = archive.namelist()
         for each in archive.namelist():
             if each.endswith(".png"):
                 assert Image.open(io.BytesIO(archive.read(each))).size == (512, 512), each
         preview = Image.open(io.BytesIO(archive.read("fox_preview.png")))
         assert preview.mode == "RGBA"  # the result as it is seen, and not the server's
+        colour = Image.open(io.BytesIO(archive.read("fox_colour.png")))
+        assert colour.getpixel((256, 256)) == (0x30, 0x70, 0xC0, 255)
     ball.page.locator("#export").click()  # what was chosen is there again
     assert ball.page.locator("#export-engines :checked").input_value() == "godot"
     ball.page.locator("#export-name").fill("fox")

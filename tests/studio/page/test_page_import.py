@@ -422,6 +422,14 @@ def test_a_fill_colours_the_paint_of_a_picture(studio: Studio, tmp_path: Path) -
     for x, y in (studio.on_board(SIDE / 2 + 20, SIDE / 2), studio.on_result(SIDE / 2 + 20, SIDE / 2)):
         pixel = round(y), round(x)
         studio.until(partial(orange_at, studio, pixel), bool)
+    column, row = studio.on_board(SIDE / 2 + 20, SIDE / 2)
+    page.keyboard.press("s")
+    for _ in range(2):  # the picture, then the fill under it
+        page.mouse.click(column, row)
+    page.keyboard.press("Delete")
+    page.mouse.move(2, 2)
+    assert not orange_at(studio, (round(row), round(column)))
+    assert studio.inked(SIDE / 2 - 60, SIDE / 2)  # the picture stays
 
 
 def orange_at(studio: Studio, pixel: tuple[int, int]) -> bool:

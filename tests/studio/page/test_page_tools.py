@@ -406,9 +406,45 @@ def test_a_click_fills_the_area_between_lines_and_the_map_stays(studio: Studio) 
     page.keyboard.press("b")
     page.mouse.click(*studio.on_board(MIDDLE + 40, MIDDLE))
     assert colour(MIDDLE + 40, MIDDLE) == [255, 255, 255]  # the same colour again takes it away
+    page.locator("#history summary").click()
+    page.locator("#history-list").get_by_text("Fill deleted").wait_for()
+    page.locator("#history summary").click()
     page.keyboard.press("Control+z")
     page.keyboard.press("e")
     with studio.repainting():
         studio.line((MIDDLE + 40, MIDDLE - 30), (MIDDLE + 40, MIDDLE + 30))
     assert colour(MIDDLE + 40, MIDDLE) == [255, 255, 255]
     assert colour(MIDDLE + 65, MIDDLE) == [0, 68, 255]
+
+
+def test_a_fill_is_selected_by_a_click_and_moved_without_its_lines(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle()
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#ff8800")
+    page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+    maps = studio.predicted()
+
+    def colour(x: float, y: float) -> list[int]:
+        column, row = studio.on_board(x, y)
+        page.mouse.move(2, 2)
+        return [int(each) for each in studio.screen()[round(row), round(column)]]
+
+    page.keyboard.press("s")
+    studio.line((MIDDLE, MIDDLE), (MIDDLE + 20, MIDDLE), (MIDDLE + 30, MIDDLE))
+    assert page.locator("#select-remove").is_disabled()  # a drag that starts on it draws a marquee
+    page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+    assert page.locator("#select-remove").is_enabled()
+    studio.line((MIDDLE, MIDDLE), (MIDDLE + 15, MIDDLE), (MIDDLE + 30, MIDDLE))
+    page.keyboard.press("Escape")
+    assert colour(MIDDLE + 98, MIDDLE) == [255, 136, 0]
+    assert colour(MIDDLE - 65, MIDDLE) == [255, 255, 255]
+    assert studio.inked(MIDDLE - 80, MIDDLE)  # the line stays
+    page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))
+    page.keyboard.press("Delete")
+    assert colour(MIDDLE, MIDDLE) == [255, 255, 255]
+    assert studio.inked(MIDDLE - 80, MIDDLE)
+    assert studio.predicted() == maps
+    page.keyboard.press("Control+z")
+    assert colour(MIDDLE, MIDDLE) == [255, 136, 0]

@@ -121,6 +121,29 @@ def test_the_preview_among_all_files_is_the_one_under_the_users_lights(model: Pa
     assert refused.json()["error"] == "the lit picture is not a PNG."
 
 
+@pytest.mark.parametrize(
+    ("preset", "name"), [("plain", "fox_colour"), ("unity", "fox_Colour"), ("unreal", "T_fox_D")]
+)
+def test_all_files_have_the_drawing_in_colour(model: Path, tmp_path: Path, preset: str, name: str) -> None:
+    colours = png(np.full((HEIGHT, WIDTH, 4), 77, np.uint8))
+    with serving(model, tmp_path) as client:
+        files = unzipped(exported(client, what="all", format=preset, colours=b64(colours))[1])
+        refused = client.post("/api/export", json=asking(what="all", colours=b64(b"no picture")))
+    assert files[f"{name}.png"] == colours
+    assert refused.json()["error"] == "the drawing in colour is not a PNG."
+
+
+def test_pictures_of_a_photo_have_room_in_a_request(model: Path, tmp_path: Path) -> None:
+    grain = np.random.default_rng(0).integers(0, 256, (1300, 2048, 3), np.uint8)
+    photo = io.BytesIO()
+    Image.fromarray(grain).save(photo, "PNG", compress_level=0)
+    art = b64(photo.getvalue())
+    with serving(model, tmp_path) as client:
+        files = unzipped(exported(client, what="all", line_art=art, colours=art)[1])
+    assert len(2 * art) > 20 * 2**20
+    assert files["fox_line.png"] == files["fox_colour.png"] == photo.getvalue()
+
+
 def test_what_is_no_picture_is_no_line_art(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         answer = client.post("/api/export", json=asking(what="all", line_art=b64(b"no picture")))

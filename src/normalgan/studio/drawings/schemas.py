@@ -287,6 +287,7 @@ class ExportFields(RequestFields):
     size: Side | None = None
     name: Annotated[str, Field(min_length=1, max_length=LONGEST)] = "drawing"
     line_art: bytes | None = None
+    colours: bytes | None = None
     lit_picture: bytes | None = None
 
 

@@ -31,12 +31,14 @@ class Preset:
         engine: engine whose names and conventions the files follow, or None.
         prefix: prefix of all names.
         line_art: suffix of the line art.
+        colours: suffix of the drawing in colour.
     """
 
     notes: str
     engine: Engine | None = None
     prefix: str = ""
     line_art: str = "_line"
+    colours: str = "_colour"
 
     @property
     def normal(self) -> Normal:
@@ -59,6 +61,7 @@ _PRESETS: Final = {
         "Switch sRGB off for {linear}.",
         "unity",
         line_art="_LineArt",
+        colours="_Colour",
     ),
     "unreal": Preset(
         "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
@@ -66,6 +69,7 @@ _PRESETS: Final = {
         "unreal",
         prefix="T_",
         line_art="_L",
+        colours="_D",
     ),
     "godot": Preset(
         "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
@@ -77,8 +81,8 @@ _PRESETS: Final = {
         "godot3",
     ),
     "blender": Preset(
-        "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
-        "Normal Map node, as the script does. _height is in pixels.",
+        "Blender: set the colour space of all but _line, _colour and _preview to Non-Color, and put _normal "
+        "through a Normal Map node, as the script does. _height is in pixels.",
         "blender",
     ),
 }
@@ -110,7 +114,7 @@ def with_export_menu(page: str) -> str:
         word = f"what{name.capitalize()}"
         known = f"  {word}: " in (PAGE / "text" / "text.js").read_text(encoding="utf-8")
         own, label = (f' data-text="{word}"', "") if known else ("", escape(labels[name]))
-        files = {form: _request("{}", name, form, line_art=b"").names for form in formats}
+        files = {form: _request("{}", name, form, line_art=b"", colours=b"").names for form in formats}
         more = f'data-formats="{" ".join(formats)}" data-files="{escape(json.dumps(files))}"'
         options.append(f'<option value="{name}" {more}{own}>{label}</option>')
     down = " ".join(name for name, preset in _PRESETS.items() if preset.normal.y == "down")
@@ -127,6 +131,7 @@ class ExportRequest:
         longest: longer side in pixels; None keeps the drawing's size.
         preset: target program of a zip file.
         line_art: PNG of the lines, for the zip file.
+        colours: PNG of the drawing in colour, for the zip file.
         lit: PNG of the map under the user's lights, for the zip file; None lights it from the upper left.
     """
 
@@ -135,6 +140,7 @@ class ExportRequest:
     longest: int | None
     preset: str = "plain"
     line_art: bytes | None = None
+    colours: bytes | None = None
     lit: bytes | None = None
 
     @property
@@ -175,8 +181,9 @@ class ExportRequest:
                 yield own + suffix, content
         lit = _preview(preds) if self.lit is None and preds is not None else self.lit
         yield f"{own}{Preview.zip_suffix(preset.engine)}.png", lit or b""
-        if self.line_art is not None:
-            yield f"{own}{preset.line_art}.png", self.line_art
+        for suffix, picture in ((preset.line_art, self.line_art), (preset.colours, self.colours)):
+            if picture is not None:
+                yield f"{own}{suffix}.png", picture
         yield "README.txt", preset.readme.encode()
 
 
@@ -211,10 +218,15 @@ def read_export_request(fields: ExportFields) -> ExportRequest:
     request = _request(name, kind, chosen, longest=fields.size, y=fields.y, alpha=fields.alpha)
     if kind != "all":
         return request
-    for title, content in (("line art", fields.line_art), ("lit picture", fields.lit_picture)):
+    pictures = {
+        "line art": fields.line_art,
+        "drawing in colour": fields.colours,
+        "lit picture": fields.lit_picture,
+    }
+    for title, content in pictures.items():
         if content is not None:
             read_png(title, content)  # only valid pictures go into the zip
-    return replace(request, line_art=fields.line_art, lit=fields.lit_picture)
+    return replace(request, line_art=fields.line_art, colours=fields.colours, lit=fields.lit_picture)
 
 
 def _known(field: str, value: str, choices: Iterable[str]) -> str:
@@ -233,10 +245,11 @@ def _request(
     y: Literal["up", "down"] = "up",
     alpha: bool = False,
     line_art: bytes | None = None,
+    colours: bytes | None = None,
 ) -> ExportRequest:
     """Return the export request for a kind of file in one of its formats."""
     if kind == "all":
-        return ExportRequest(name, None, longest, chosen, line_art)
+        return ExportRequest(name, None, longest, chosen, line_art, colours)
     if kind == "map":
         bits: Bits = 16 if chosen == "png16" else 8
         return ExportRequest(name, Normal(_FORMATS[chosen], bits=bits, y=y, alpha=alpha), longest)

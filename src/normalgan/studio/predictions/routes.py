@@ -26,7 +26,13 @@ from normalgan.studio.drawings.schemas import ExportFields, PredictFields, Reque
 from normalgan.studio.predictions.exports import read_export_request
 from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.predictions.request_queue import RequestQueue, Stop
-from normalgan.studio.server.bodies import check_type, read_body, wait_disconnect
+from normalgan.studio.server.bodies import (
+    MOST_BYTES,
+    MOST_EXPORT_BYTES,
+    check_type,
+    read_body,
+    wait_disconnect,
+)
 from normalgan.studio.server.refusals import RefusedError
 
 T = TypeVar("T")
@@ -104,7 +110,7 @@ class PredictionRoutes:
 
     async def export(self, request: Request) -> Response:
         """Return a file as ``normalgan generate`` writes it."""
-        fields, layers = await self._asked(request, ExportFields)
+        fields, layers = await self._asked(request, ExportFields, MOST_EXPORT_BYTES)
         work = partial(self._file, layers, fields)
         self._exports += 1  # exports do not replace one another
         file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
@@ -114,10 +120,12 @@ class PredictionRoutes:
         attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
-    async def _asked(self, request: Request, schema: type[F]) -> tuple[F, list[Layer]]:
+    async def _asked(
+        self, request: Request, schema: type[F], most: int = MOST_BYTES
+    ) -> tuple[F, list[Layer]]:
         """Return the fields and the layers of a request with PNGs in JSON or with raw pixels."""
         check_type(request, "application/json", CONTENT_TYPE)
-        content = await read_body(request)
+        content = await read_body(request, most)
         pixels = None
         if _is_raw(request):
             content, pixels = split_body(content)

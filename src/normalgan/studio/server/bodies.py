@@ -8,6 +8,8 @@ from normalgan.studio.server.refusals import RefusedError
 
 MOST_BYTES = 20 * 2**20
 """Maximum size of a request body in bytes."""
+MOST_EXPORT_BYTES = 4 * MOST_BYTES
+"""Maximum size of a request for files, which brings three pictures that the page draws itself, as base64."""
 PATIENCE = 20.0
 """Maximum time in seconds for receiving a body; from the same machine it takes less than one."""
 

@@ -1,9 +1,8 @@
 /** Fill tool: a click fills the area between lines with a colour. */
 
 import { Areas } from "../drawing/areas.js";
-import { context2d } from "../drawing/canvas.js";
 import { MOST_STROKES, withActive } from "../drawing/document.js";
-import { pathOfFill } from "../drawing/strokes.js";
+import { isInFill } from "../drawing/strokes.js";
 import { text } from "../text/text.js";
 
 /** @typedef {import("./tools.js").Touch} Touch @typedef {import("../drawing/document.js").Line} Line */
@@ -52,7 +51,7 @@ export class FillTool {
     const points = area && !area.open ? area.filling().flatMap(({ x, y }) => [x, y, PRESSURE]) : null;
     const { strokes } = editor.layer;
     // Without its outline, an area is still found by its colour.
-    const there = strokes.findLastIndex((stroke) => stroke.kind === "fill" && (points ? String(stroke.points) === String(points) : isInside(stroke, at)));
+    const there = strokes.findLastIndex((stroke) => stroke.kind === "fill" && (points ? String(stroke.points) === String(points) : isInFill(stroke, at)));
     if (there < 0 && !points) {
       if (area || !strokes.length) this.announce(text.areaOpen, "warning");
       return;
@@ -68,9 +67,4 @@ export class FillTool {
     editor.commit(withActive(editor.doc, { strokes: filled }));
     this.announce(filled.length > others.length ? text.filled : text.unfilled);
   }
-}
-
-/** @param {Line} fill @param {{x: number, y: number}} at */
-function isInside(fill, { x, y }) {
-  return context2d(document.createElement("canvas")).isPointInPath(pathOfFill(fill), x, y, "evenodd");
 }

@@ -1,11 +1,12 @@
 /** Select tool: selects, moves, scales, rotates and deletes strokes, pictures and parts of pictures. */
 
-import { activeLayer, goesAlong, withActive } from "../drawing/document.js";
+import { activeLayer, goesAlong, hasAllLines, withActive } from "../drawing/document.js";
 import { NOTHING } from "../drawing/editor.js";
 import { chosenBy, insideOf } from "../drawing/lasso.js";
 import { aboutPoint, extentOf, isHit, unitedBox } from "../drawing/moving.js";
 import { boxOfSelection, cutFailed, insideOfSelection, isCut, isIn, isNothing, onceCut, together, withCuts, withMoved, without } from "../drawing/selection.js";
 import { makeRoom } from "../drawing/simplify.js";
+import { isInFill } from "../drawing/strokes.js";
 import { say, text } from "../text/text.js";
 import { cornersOf, knobOf } from "./selection_frame.js";
 
@@ -27,6 +28,7 @@ const TURN = Math.PI / 12;
  * @property {Selection} before
  * @property {Touch} [late] the latest position while pictures are still being cut
  * @property {boolean} [frame] whether it started within the selection's frame, off its lines; a click there deselects
+ * @property {boolean} [through] whether a click selects the fill there, because no line and no unselected picture is hit
  */
 
 /** Returns the move that a drag makes. @param {Held} held @param {Touch} touch @returns {import("../drawing/moving.js").Move} */
@@ -42,6 +44,9 @@ function moveOf({ kind, from, fixed }, touch) {
   const scale = Math.max(SCALES.least, Math.min(SCALES.most, length(touch) / Math.max(length(from), LEAST)));
   return aboutPoint(fixed, { scale });
 }
+
+/** Whether a marquee is that of a click by a hand that hardly moved. @param {import("../drawing/moving.js").Box | null} box @param {number} reach */
+const isSmall = (box, reach) => !box || Math.hypot(box.right - box.left, box.bottom - box.top) < reach / 4;
 
 /** Select: a click, marquee or lasso selects; a drag moves, scales or rotates the selection. */
 export class SelectTool {
@@ -65,7 +70,7 @@ export class SelectTool {
     }
     const hit = this.#hit(touch) ?? (editor.lassoes || touch.straight ? null : this.#hitElsewhere(touch));
     if (!touch.straight && !hit && this.#isFramed(touch)) {
-      this.held = { kind: "move", from: touch, before: selection, frame: true };
+      this.held = { kind: "move", from: touch, before: selection, frame: true, through: true };
       return;
     }
     this.#press(touch, hit);
@@ -77,14 +82,15 @@ export class SelectTool {
     if (hit?.layer) this.#workOn(hit.layer);
     const { selection } = editor;
     if (!hit || (editor.lassoes && !isIn(selection, hit))) {
-      this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING };
+      this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING, through: !hit };
       if (!touch.straight) editor.set({ selection: NOTHING });
       return;
     }
     const has = isIn(selection, hit);
     if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
     else if (!has) editor.set({ selection: hit });
-    this.held = { kind: "move", from: touch, before: editor.selection };
+    const isLine = hit.strokes.some((i) => editor.layer.strokes[i].kind === "pen");
+    this.held = { kind: "move", from: touch, before: editor.selection, through: has && !isLine && !touch.straight };
   }
 
   /** Whether a touch lies within the frame around the selection. @param {Touch} touch */
@@ -165,6 +171,8 @@ export class SelectTool {
       return;
     }
     editor.marquee = editor.lasso = null;
+    const clicked = held && !editor.draft && isSmall(marquee, held.from.reach) && (lasso?.length ?? 0) < 6;
+    if (clicked && held.through && this.#takeFill(held)) return;
     if (held?.frame && !editor.draft) editor.set({ selection: NOTHING });
     else if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
     else if (held?.kind === "around" && marquee) this.#chooseIn(marquee, held.before);
@@ -177,6 +185,31 @@ export class SelectTool {
     this.held = null;
     this.editor.marquee = this.editor.lasso = null;
     this.editor.drop();
+  }
+
+  /**
+   * Selects the fill that a click hits, in the active layer or the front one of the others. A drag that starts on it moves nothing
+   * that is not selected, because colour and lines should stay together.
+   * @param {Held} held of the click
+   * @returns {boolean} whether there is one that was not selected
+   */
+  #takeFill({ from, before }) {
+    const { editor } = this;
+    for (const layer of [editor.layer, ...this.#others()]) {
+      const at = layer.strokes.findLastIndex((stroke) => stroke.kind === "fill" && isInFill(stroke, from));
+      if (at < 0) continue;
+      const fill = { strokes: [at], pictures: [] };
+      const there = layer === editor.layer && isIn(before, fill);
+      if (there && !from.straight) return false;
+      if (layer !== editor.layer) this.#workOn(layer);
+      else if (from.straight) {
+        editor.set({ selection: there ? without(before, fill) : together(before, fill) });
+        return true;
+      }
+      editor.set({ selection: fill });
+      return true;
+    }
+    return false;
   }
 
   /** Selects everything within a box, in addition to the previous selection. @param {import("../drawing/moving.js").Box} box @param {Selection} before */
@@ -260,7 +293,7 @@ export class SelectTool {
     const layer = activeLayer(doc);
     editor.set({ selection: NOTHING });
     // Without lines, points and regions would have no object.
-    const all = layer.strokes.every((stroke, i) => goesAlong(stroke) || strokes.includes(i));
+    const all = hasAllLines(layer.strokes, strokes);
     const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
     const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);

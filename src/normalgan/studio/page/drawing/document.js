@@ -216,8 +216,14 @@ export const linesOf = (strokes) => strokes.filter(({ kind }) => kind !== "fill"
 /** Returns the visible layers that are not empty. @param {Doc} doc @returns {Layer[]} */
 export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && linesOf(strokes).length > 0);
 
-/** Whether a stroke is not selected by a click, but goes along with the lines around it. @param {Stroke} stroke */
+/** Whether a stroke goes along with the lines around it. @param {Stroke} stroke */
 export const goesAlong = ({ kind }) => kind === "eraser" || kind === "fill";
+
+/** Whether chosen strokes have lines or pictures, to which points, regions and mask strokes belong. @param {Stroke[]} strokes @param {number[]} chosen their places */
+export const hasLines = (strokes, chosen) => chosen.some((i) => !goesAlong(strokes[i]));
+
+/** Whether all lines and pictures are chosen. @param {Stroke[]} strokes @param {number[]} chosen their places */
+export const hasAllLines = (strokes, chosen) => hasLines(strokes, chosen) && strokes.every((stroke, i) => goesAlong(stroke) || chosen.includes(i));
 
 /** @param {Stroke[]} a @param {Stroke[]} b */
 function drawsAlike(a, b) {

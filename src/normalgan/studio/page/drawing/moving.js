@@ -1,6 +1,6 @@
 /** Moving: move, scale, rotate and flip strokes, pictures and whole documents. */
 
-import { SIDES, goesAlong, middleOfPixel, possiblePeriod } from "./document.js";
+import { SIDES, goesAlong, hasAllLines, hasLines, middleOfPixel, possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
 
 /**
@@ -102,14 +102,15 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
 
 /**
  * Returns everything that moves with selected strokes: erasers, fills, points, regions and mask strokes among them. If all strokes
- * of a layer are selected, everything on the layer moves.
+ * of a layer are selected, everything on the layer moves. A fill that is selected alone takes nothing along.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
  * @param {((point: Point) => boolean) | null} [inside] tests whether a point lies among them; by default, within their convex hull
  * @returns {Along}
  */
 export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {
-  const all = strokes.every((stroke, i) => goesAlong(stroke) || chosen.includes(i));
+  if (!hasLines(strokes, chosen)) return { strokes: new Set(chosen), hints: new Set(), areas: new Set(), mask: new Set() };
+  const all = hasAllLines(strokes, chosen);
   const hull = all || inside ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
   /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
   const among = (list, at) => new Set(list.flatMap((each, i) => {

@@ -1,5 +1,7 @@
 /** Strokes: draw a pen's points piece by piece as a line whose width follows the pressure. */
 
+import { context2d } from "./canvas.js";
+
 /** @typedef {import("./document.js").Stroke} Stroke */
 
 /** Width in pixels at a pressure; a mouse has 0.5. @param {number} size @param {number} pressure */
@@ -122,6 +124,11 @@ export function pathOfFill({ points }) {
   for (let i = 0; i < points.length; i += 3) path.lineTo(points[i], points[i + 1]);
   path.closePath();
   return path;
+}
+
+/** Whether a point lies in the area of a fill. @param {import("./document.js").Line} fill @param {{x: number, y: number}} at */
+export function isInFill(fill, { x, y }) {
+  return context2d(document.createElement("canvas")).isPointInPath(pathOfFill(fill), x, y, "evenodd");
 }
 
 /**

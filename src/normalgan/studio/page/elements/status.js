@@ -12,9 +12,11 @@ const PROBLEM_STAYS = 15_000;
 const GAP = 10;
 
 /**
- * @typedef {"" | "warning" | "loss" | "error" | "lasting" | "away"} Kind the kind of message: a completed action; the reason for a refusal; a
- *   partial loss; a failure; one that no other action settles; the server's absence
+ * @typedef {"" | "warning" | "loss" | "error" | "lasting" | "unpredicted" | "away"} Kind the kind of message: a completed action; the
+ *   reason for a refusal; a partial loss; a failure; one that no other action settles; a failed prediction; the server's absence
  */
+/** Kinds of messages about a state, which stay as long as it lasts. */
+const STATES = ["unpredicted", "away"];
 /** @typedef {(words: string, kind?: Kind) => void} Announce */
 
 /** Returns an error's message: refusals of the page or the server as they are, anything else as an error of the program. @param {unknown} error */
@@ -49,7 +51,7 @@ export class Status {
     this.say(text.loading);
   }
 
-  /** A completed action removes an error or a refusal that came before it. @param {string} words @param {Kind} [kind] `away` stays until the server is back */
+  /** A completed action removes an error or a refusal that came before it. @param {string} words @param {Kind} [kind] `unpredicted` stays until there is a map, `away` until the server is back */
   say(words, kind = "") {
     clearTimeout(this.timer);
     this.line.textContent = kind ? "" : words;
@@ -102,7 +104,12 @@ export class Status {
     const wait = () => {
       this.problemTimer = setTimeout(() => (problem.matches(":hover, :focus-within") ? wait() : this.#settle()), PROBLEM_STAYS);
     };
-    if (kind !== "away") wait();
+    if (!STATES.includes(kind)) wait();
+  }
+
+  /** Removes the message that a prediction failed, because a map is shown or wanted no longer. */
+  predicted() {
+    this.#settle(["unpredicted"]);
   }
 
   /** Removes a problem of these kinds; the message that the server is away stays as long as it is. @param {string[]} [kinds] all, unless given */

@@ -141,11 +141,11 @@ export class Exporting {
     const longest = request.size ?? own;
     if (request.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${request.name}_lit.png` };
     if (request.what === "colours") return { blob: await toPng(linesAt(doc, longest, true)), name: `${request.name}_colour.png` };
+    if (request.what === "lines") return { blob: await toPng(linesAt(doc, longest)), name: `${request.name}_line.png` };
     const more = { ...request };
-    if (["lines", "all"].includes(request.what)) {
-      const lines = await toPng(linesAt(doc, longest));
-      if (request.what === "lines") return { blob: lines, name: `${request.name}_line.png` };
-      more.line_art = await toBase64(lines);
+    if (request.what === "all") {
+      more.line_art = await toBase64(await toPng(linesAt(doc, longest)));
+      more.colours = await toBase64(await toPng(linesAt(doc, longest, true)));
       more.lit_picture = await toBase64(await this.#lit(longest === own ? null : longest));
     }
     // At its own size, the file is made from the same pixels as the current map.

@@ -1,5 +1,6 @@
 /** History list: lists the steps, and goes back to any of them. */
 
+import { linesOf } from "../drawing/document.js";
 import { $, make } from "../elements/dom.js";
 import { say, text } from "../text/text.js";
 
@@ -26,6 +27,8 @@ function strokesStep(from, to) {
   }
   const last = to.at(-1);
   if (last?.kind === "fill" && from.some((each) => each.kind === "fill" && each !== last && each.points === last.points)) return text.stepFill;
+  const lines = linesOf(to);
+  if (to.length < from.length && lines.length === linesOf(from).length) return text.stepFillGone;
   const gone = to.length < from.length || from.some((each, i) => isCut(each, to[i]));
   return gone ? text.stepRemoved : text.stepMoved;
 }

@@ -41,7 +41,7 @@ const sentStructures = (doc, { areas }) => Object.fromEntries(structuresOf(doc, 
 const scaledStructure = (structure, scale) =>
   ({ ...structure, period: possiblePeriod(structure.period * scale), x: (structure.x ?? 0) * scale, y: (structure.y ?? 0) * scale });
 
-/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `unraised` (detail: why there are no heights), `doubt`, `empty`, `failed` (detail: the error). */
+/** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `unraised` (detail: why there are no heights), `doubt`, `empty`, `failed` (detail: the error, painting: whether there is no map). */
 export class Predictor extends EventTarget {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
@@ -372,6 +372,6 @@ export class Predictor extends EventTarget {
       }
     }
     if (error instanceof Away) this.connection.lost();
-    this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    this.dispatchEvent(new CustomEvent("failed", { detail: { error, painting } }));
   }
 }

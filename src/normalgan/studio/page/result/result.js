@@ -118,6 +118,7 @@ export class Result extends EventTarget {
     const { rgba, width, height, findings } = this.predictor.painted;
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
+    this.status.predicted();
     $("result").setAttribute("aria-busy", String(!whole));
     // A counter of shown drawings, for tests and benchmarks.
     $("result").dataset.painted = String(Number($("result").dataset.painted ?? 0) + 1);
@@ -127,12 +128,15 @@ export class Result extends EventTarget {
     this.status.note(say("painted", { ms }));
   }
 
-  /** Shows what the drawing lacks in place of the map until there is one; other errors go to the status. @param {unknown} error */
-  #failed(error) {
+  /**
+   * Shows what the drawing lacks in place of the map until there is one; other errors go to the status.
+   * @param {{error: unknown, painting: boolean}} detail painting: whether the map failed, not its heights or uncertainty
+   */
+  #failed({ error, painting }) {
     $("result").setAttribute("aria-busy", "false");
     this.status.note(""); // the requested heights will not arrive
     if (error instanceof Lacking) this.tell(error.findings);
-    else this.status.fail(error);
+    else this.status.fail(error, painting ? "unpredicted" : "error");
   }
 
   #raised() {
@@ -147,6 +151,7 @@ export class Result extends EventTarget {
     this.viewer.setMap(null);
     this.viewer.setHeight(null);
     $("empty-result").hidden = false;
+    this.status.predicted();
     $("result").setAttribute("aria-busy", "false");
     this.tell([]);
     this.status.note("");

@@ -21,6 +21,7 @@ export const text = {
   stepFirst: "Beginning",
   stepLine: "Line",
   stepFill: "Area filled",
+  stepFillGone: "Fill deleted",
   stepShape: "Straightened",
   stepErased: "Erased",
   stepImported: "Picture imported",

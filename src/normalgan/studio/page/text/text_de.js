@@ -16,6 +16,7 @@ export const words = {
   stepFirst: "Anfang",
   stepLine: "Linie",
   stepFill: "Fläche gefüllt",
+  stepFillGone: "Füllung gelöscht",
   stepShape: "Begradigt",
   stepErased: "Radiert",
   stepImported: "Bild importiert",

@@ -16,6 +16,7 @@ export const words = {
   stepFirst: "Inicio",
   stepLine: "Línea",
   stepFill: "Área rellenada",
+  stepFillGone: "Relleno eliminado",
   stepShape: "Enderezado",
   stepErased: "Borrado",
   stepImported: "Imagen importada",

@@ -16,6 +16,7 @@ export const words = {
   stepFirst: "Début",
   stepLine: "Ligne",
   stepFill: "Zone remplie",
+  stepFillGone: "Remplissage supprimé",
   stepShape: "Redressé",
   stepErased: "Effacé",
   stepImported: "Image importée",

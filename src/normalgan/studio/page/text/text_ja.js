@@ -16,6 +16,7 @@ export const words = {
   stepFirst: "最初",
   stepLine: "線",
   stepFill: "領域を塗りつぶし",
+  stepFillGone: "塗りを削除",
   stepShape: "図形に整形",
   stepErased: "消去",
   stepImported: "画像を読み込み",

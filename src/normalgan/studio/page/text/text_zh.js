@@ -16,6 +16,7 @@ export const words = {
   stepFirst: "开始",
   stepLine: "线条",
   stepFill: "填充区域",
+  stepFillGone: "已删除填色",
   stepShape: "已拉直",
   stepErased: "擦除",
   stepImported: "已导入图片",
