@@ -837,6 +837,19 @@ def test_it_opens_again_without_a_network(built: Path) -> None:
         page.wait_for_function("() => document.getElementById('result').dataset.painted")
 
 
+def test_the_runtime_is_fetched_and_unpacked_once_for_all_networks(built: Path) -> None:
+    asked: list[str] = []
+    with serve(built.parent) as address, browser(webgl=False) as opened:
+        context = opened.new_context(service_workers="block")  # it fetches every file for later
+        context.on("request", lambda each: asked.append(each.url.rpartition("/")[2]))
+        page = context.new_page()
+        page.goto(f"{address}/{built.name}/")
+        page.wait_for_selector("html[data-ready]", timeout=120_000)
+        context.close()
+    assert asked.count("ours.onnx") == asked.count("reader.onnx") == 1
+    assert sum(each.endswith(".packed") for each in asked) == 1
+
+
 def test_without_npm_the_page_says_what_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hook = runpy.run_path(str(ROOT / "tools" / "site" / "static_studio.py"))
     monkeypatch.setitem(hook["on_post_build"].__globals__, "CACHE", tmp_path / "none")

@@ -5,30 +5,20 @@ import * as ort from "./ort.wasm.min.mjs";
 // The runtime chooses the number of threads: half the cores up to four where the page is isolated, otherwise one. The
 // service worker sends the headers for isolation from the second visit on.
 ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
-const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // compressed with gzip
 
 /** @typedef {{id: number, name: string, planes: Record<string, {data: Float32Array, shape: number[]}>}} Run of one network, with its inputs */
 
-const runtime = unpack();
+/** @type {() => void} */
+let begin = () => {};
+/** Resolves when the runtime has come, which is unpacked once for all workers. @type {Promise<void>} */
+const runtime = new Promise((resolve) => { begin = resolve; });
 /** @type {Record<string, Promise<import("./ort.wasm.min.mjs").InferenceSession>>} */
 const sessions = Object.fromEntries(self.name.split(" ").map((name) => [name, network(`${name}.onnx`)]));
 
 /** @param {string} name */
-async function file(name) {
-  const answer = await fetch(new URL(name, import.meta.url));
-  if (!answer.ok) throw new Error("no_model");
-  return answer;
-}
-
-async function unpack() {
-  const { body } = await file(RUNTIME);
-  if (!body) throw new Error(`${RUNTIME} is empty`);
-  ort.env.wasm.wasmBinary = await new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
-
-/** @param {string} name */
 async function network(name) {
-  const [answer] = await Promise.all([file(name), runtime]);
+  const [answer] = await Promise.all([fetch(new URL(name, import.meta.url)), runtime]);
+  if (!answer.ok) throw new Error("no_model");
   return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
 }
 
@@ -44,7 +34,12 @@ const failed = (/** @type {unknown} */ error) => String(error instanceof Error ?
 Promise.all(Object.values(sessions)).then(([first]) => postMessage({ size: Number(first.inputMetadata[0].shape[3]) }), (error) => postMessage({ failed: failed(error) }));
 /** @type {Promise<void>} one at a time */
 let turn = Promise.resolve();
-addEventListener("message", (/** @type {MessageEvent<Run>} */ { data }) => {
+addEventListener("message", (/** @type {MessageEvent<Run | {runtime: ArrayBuffer}>} */ { data }) => {
+  if ("runtime" in data) {
+    ort.env.wasm.wasmBinary = data.runtime;
+    begin();
+    return;
+  }
   turn = turn.then(() => run(data)).then(
     (found) => postMessage({ id: data.id, found }, { transfer: Object.values(found).map(({ buffer }) => buffer) }),
     (error) => postMessage({ id: data.id, failed: failed(error) }));

@@ -54,6 +54,21 @@ const dropped = new Set();
 /** The request in progress. */
 let current = 0;
 
+/** Returns a file of the model. @param {string} name */
+async function file(name) {
+  const answer = await fetch(new URL(name, import.meta.url));
+  if (!answer.ok) throw new Error("no_model");
+  return answer;
+}
+
+/** Gives the workers of the networks their runtime, which is compressed with gzip. */
+async function giveRuntime() {
+  const { body } = await file("ort-wasm-simd-threaded.wasm.packed");
+  if (!body) throw new Error("no_model");
+  const runtime = await new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+  for (const each of [predicting, reading]) each.postMessage({ runtime });
+}
+
 async function load() {
   /** @param {Worker} worker @returns {Promise<number>} side of its first network's pictures */
   const loaded = (worker) => new Promise((resolve, reject) => {
@@ -67,8 +82,7 @@ async function load() {
     worker.addEventListener("error", () => reject(new Error("no_modules")));
   });
   const sides = Promise.all([predicting, reading].map(loaded));
-  const notes = await fetch(new URL("model.json", import.meta.url));
-  if (!notes.ok) throw new Error("no_model");
+  const [notes] = await Promise.all([file("model.json"), giveRuntime()]);
   /** @type {{line_widths: [number, number], structures: string[]}} */
   const { line_widths: widths, structures } = await notes.json();
   // Once loaded, the page works without a network; a stroke with a structure that did not load reports it.
