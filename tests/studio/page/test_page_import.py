@@ -352,6 +352,19 @@ def test_light_lines_on_nothing_are_shown_dark_which_is_said(studio: Studio, tmp
     assert not studio.inked(170, 90)
 
 
+@pytest.mark.parametrize(("lines", "inverted"), [(245, True), (20, False)])
+def test_light_lines_on_a_grey_board_are_shown_dark(
+    studio: Studio, tmp_path: Path, lines: int, inverted: bool
+) -> None:
+    board = np.random.default_rng(0).normal(135, 4, (SIDE, SIDE)).clip(0, 255).astype(np.uint8)
+    cv2.circle(board, (SIDE // 2, SIDE // 2), 80, lines, 5, cv2.LINE_AA)
+    Image.fromarray(board).save(tmp_path / "board.png")
+    said = "Imported “board.png”." + " Colours inverted, because its lines are light." * inverted
+    with studio.repainting(), studio.saying(said, whole=True):
+        give(studio, tmp_path / "board.png", "drawing")
+    assert studio.inked(SIDE / 2 - 80, SIDE / 2)
+
+
 def test_an_import_that_succeeds_ends_the_message_of_one_that_did_not(studio: Studio, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("milk", encoding="utf-8")
     with studio.saying("Couldn't import “notes.txt”: "):

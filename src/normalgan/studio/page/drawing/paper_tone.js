@@ -3,6 +3,7 @@
 import { context2d } from "./canvas.js";
 import { WHITE, hasPaper, inkAt, kindOf } from "./ink.js";
 import { largest, paperOf, radiusOf, turned } from "./paper_ground.js";
+import { decodeAll, decoded } from "./pictures.js";
 
 /** Minimum darkness of a line compared with the paper around it: 0 as the paper, 1 as the darkest ink. */
 const INKED = 0.35;
@@ -24,17 +25,28 @@ function quantiles(values, shares) {
 }
 
 /**
- * Returns whether lines are lighter than the paper: most of what lies close to a line is paper.
+ * Returns the number of pixels close to a line, and how many of them are dark: if most are, lines are lighter than the paper,
+ * since most of what lies close to a line is paper.
  * @param {Uint8Array} levels @param {Uint8Array} high the largest within a distance @param {Uint8Array} low the smallest
  */
-function isLightOnDark(levels, high, low) {
+function nearLines(levels, high, low) {
   let [near, dark] = [0, 0];
   for (let i = 0; i < levels.length; i++) {
     if (high[i] - low[i] <= CONTRAST) continue;
     near += 1;
     if (2 * levels[i] < high[i] + low[i]) dark += 1;
   }
-  return dark > near / 2;
+  return { near, dark };
+}
+
+/** Returns the levels of a picture on white paper, and the largest and smallest ones within a line's width. @param {Uint8Array | Uint8ClampedArray} bytes @param {number} width @param {number} height */
+function rangesOf(bytes, width, height) {
+  const seen = Uint8Array.from({ length: width * height }, (_, i) => {
+    const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
+    return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
+  });
+  const radius = radiusOf(width, height);
+  return { seen, radius, high: largest(seen, width, height, radius), low: turned(largest(turned(seen), width, height, radius)) };
 }
 
 /**
@@ -44,13 +56,9 @@ function isLightOnDark(levels, high, low) {
  */
 export function linesIn({ channels, bytes }, width, height) {
   if (channels === 1) return bytes.map((level) => Number(255 - level > INKED * 255));
-  const seen = Uint8Array.from({ length: width * height }, (_, i) => {
-    const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);
-    return 255 - ((255 - Math.min(red, green, blue)) * alpha) / 255;
-  });
-  const radius = radiusOf(width, height);
-  const [high, low] = [largest(seen, width, height, radius), turned(largest(turned(seen), width, height, radius))];
-  const light = isLightOnDark(seen, high, low);
+  const { seen, radius, high, low } = rangesOf(bytes, width, height);
+  const { near, dark } = nearLines(seen, high, low);
+  const light = dark > near / 2;
   const levels = light ? turned(seen) : seen;
   const paper = turned(largest(light ? low : turned(high), width, height, radius));
   // A shadow darkens paper and ink by the same factor.
@@ -60,6 +68,60 @@ export function linesIn({ channels, bytes }, width, height) {
   const [ink, usual] = quantiles(levels, [DARKEST, 0.5]);
   const filled = usual - ink > CONTRAST ? ink + FILLED * (usual - ink) : -1;
   return levels.map((level, i) => Number(darkness[i] > least || level < filled));
+}
+
+/** Maximum share of a transparent picture that is darker than `PALE`, if the picture cannot be seen on white paper. */
+const SEEN = 0.005;
+const PALE = 204;
+
+/**
+ * Returns a picture with dark lines; a light-on-dark picture is inverted, because black strokes would not show on it, and so
+ * are light lines on nothing, which would not show on white paper.
+ * @param {string} url a data URL, decoded
+ * @param {boolean} [sheet] whether it may have dark paper
+ * @returns {Promise<string>} a data URL, decoded
+ */
+export async function darkOnLight(url, sheet = true) {
+  const image = decoded(url);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [image.width, image.height];
+  const context = context2d(canvas, { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
+  let [light, seen, dark] = [0, 0, 0];
+  for (let i = 0; i < pixels.data.length; i += 4) {
+    const level = pixels.data[i] + pixels.data[i + 1] + pixels.data[i + 2];
+    light += level * pixels.data[i + 3];
+    seen += 765 * pixels.data[i + 3];
+    if (level < 3 * PALE) dark += 765 * pixels.data[i + 3];
+  }
+  // Dark lines on a transparent background must not be inverted, only dark paper that covers most of the picture, or a grey board.
+  const covered = seen / (765 * 255 * canvas.width * canvas.height);
+  const darkPaper = sheet && covered >= 0.6 && (light / seen <= 0.4 || isBoard(image));
+  const unseen = covered < 0.6 && dark < SEEN * seen;
+  if (!darkPaper && !unseen) return url;
+  for (let i = 0; i < pixels.data.length; i++) if (i % 4 < 3) pixels.data[i] = 255 - pixels.data[i];
+  context.putImageData(pixels, 0, 0);
+  const inverted = canvas.toDataURL("image/png");
+  await decodeAll([inverted]);
+  return inverted;
+}
+
+/** Maximum share of a board that is close to lines, and minimum share of that which is darker than they are; a painting has other ones. */
+const BOARD = { near: 0.5, dark: 0.65 };
+
+/** Whether a picture shows light lines on an even board, which may be grey. @param {HTMLImageElement} image */
+function isBoard(image) {
+  const scale = Math.min(1, LINES_SIDE / Math.max(image.width, image.height));
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [image.width, image.height].map((side) => Math.max(1, Math.round(side * scale)));
+  const { width, height } = canvas;
+  const context = context2d(canvas, { willReadFrequently: true });
+  context.imageSmoothingQuality = "high";
+  context.drawImage(image, 0, 0, width, height);
+  const { seen, high, low } = rangesOf(context.getImageData(0, 0, width, height).data, width, height);
+  const { near, dark } = nearLines(seen, high, low);
+  return near < BOARD.near * seen.length && dark > BOARD.dark * near;
 }
 
 /**

@@ -48,43 +48,6 @@ export function decoded(url) {
   return /** @type {HTMLImageElement} */ (known.get(url));
 }
 
-/** Maximum share of a transparent picture that is darker than `PALE`, if the picture cannot be seen on white paper. */
-const SEEN = 0.005;
-const PALE = 204;
-
-/**
- * Returns a picture with dark lines; a light-on-dark picture is inverted, because black strokes would not show on it, and so
- * are light lines on nothing, which would not show on white paper.
- * @param {string} url a data URL, decoded
- * @param {boolean} [sheet] whether it may have dark paper
- * @returns {Promise<string>} a data URL, decoded
- */
-export async function darkOnLight(url, sheet = true) {
-  const image = decoded(url);
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [image.width, image.height];
-  const context = context2d(canvas, { willReadFrequently: true });
-  context.drawImage(image, 0, 0);
-  const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
-  let [light, seen, dark] = [0, 0, 0];
-  for (let i = 0; i < pixels.data.length; i += 4) {
-    const level = pixels.data[i] + pixels.data[i + 1] + pixels.data[i + 2];
-    light += level * pixels.data[i + 3];
-    seen += 765 * pixels.data[i + 3];
-    if (level < 3 * PALE) dark += 765 * pixels.data[i + 3];
-  }
-  // Dark lines on a transparent background must not be inverted, only dark paper that covers most of the picture.
-  const covered = seen / (765 * 255 * canvas.width * canvas.height);
-  const darkPaper = sheet && covered >= 0.6 && light / seen <= 0.4;
-  const unseen = covered < 0.6 && dark < SEEN * seen;
-  if (!darkPaper && !unseen) return url;
-  for (let i = 0; i < pixels.data.length; i++) if (i % 4 < 3) pixels.data[i] = 255 - pixels.data[i];
-  context.putImageData(pixels, 0, 0);
-  const turned = canvas.toDataURL("image/png");
-  await decodeAll([turned]);
-  return turned;
-}
-
 /** Returns whether a decoded picture has transparent parts. @param {string} url @returns {boolean} */
 export function hasHoles(url) {
   const before = cutOut.get(url);

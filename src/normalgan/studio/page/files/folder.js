@@ -2,7 +2,8 @@
 
 import { context2d } from "../drawing/canvas.js";
 import { newDocument, parseDocument, picturesOf, withStroke } from "../drawing/document.js";
-import { darkOnLight, decodeAll, free } from "../drawing/pictures.js";
+import { darkOnLight } from "../drawing/paper_tone.js";
+import { decodeAll, free } from "../drawing/pictures.js";
 import { $, make } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
 import { wordsOfFindings } from "../result/findings.js";

@@ -1,7 +1,8 @@
 /** Importing: open a picture as the drawing, as layers, or as a reference picture. */
 
 import { MOST_LAYERS, MOST_PICTURES, activeLayer, isEmpty, withLayers, withNewLayer, withPictures, withSettings, withStroke } from "../drawing/document.js";
-import { darkOnLight, decodeAll } from "../drawing/pictures.js";
+import { darkOnLight } from "../drawing/paper_tone.js";
+import { decodeAll } from "../drawing/pictures.js";
 import { choose } from "../elements/dialogs.js";
 import { $, make } from "../elements/dom.js";
 import { Refused, imported, importedLayers } from "../server/api.js";
