@@ -64,11 +64,20 @@ def test_a_picture_that_claims_to_be_huge_is_refused_before_it_is_unpacked(side:
         (b"", "is not an image that can be read"),
         (b"\x89PNG\r\n\x1a\n", "it starts like a PNG but is truncated or damaged"),
         (saved(Image.fromarray(GREY), "GIF")[:9], "cannot be read as an image: it starts like a GIF"),
-        (saved(Image.fromarray(GREY), "JPEG")[:900], "cannot be read as an image"),
-        (saved(Image.fromarray(GREY), "PNG")[:900], "cannot be read as an image"),
+        (saved(Image.fromarray(GREY), "JPEG")[:900], "cannot be read as an image: the file is incomplete"),
+        (saved(Image.fromarray(GREY), "PNG")[:900], "cannot be read as an image: the file is incomplete"),
+        (saved(Image.fromarray(GREY), "PNG")[:20], "cannot be read as an image: the file is incomplete"),
         (bomb(300, 200), "cannot be read as an image"),
     ],
-    ids=["empty", "a signature", "the head of a GIF", "half a JPEG", "half a PNG", "too few pixels"],
+    ids=[
+        "empty",
+        "a signature",
+        "the head of a GIF",
+        "half a JPEG",
+        "half a PNG",
+        "the head of a PNG",
+        "too few pixels",
+    ],
 )
 def test_a_broken_file_is_refused(content: bytes, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):

@@ -76,7 +76,13 @@ def decode(
         _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; use {KNOWN}") from None
     except Exception as error:  # Pillow's decoders may raise anything on damaged data
-        raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
+        raise RefusedError(f"cannot be read as an image: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """Return why a picture cannot be decoded, in plain words if its end is missing."""
+    cut_off = not isinstance(error, DamagedError) and "truncated" in str(error).lower()
+    return "the file is incomplete" if cut_off else first_line(error)
 
 
 def _upright(content: bytes, least: int, most: int, notes: list[Any]) -> "Image | None":
