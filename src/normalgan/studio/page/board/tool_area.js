@@ -1,6 +1,6 @@
 /** Area tool: regions and the strokes of the direction brush. */
 
-import { Areas } from "../drawing/areas.js";
+import { areaAt } from "../drawing/areas.js";
 import { MOST_AREAS, anchorOf, withArea, withStructures } from "../drawing/document.js";
 import { LIMITS } from "../drawing/limits.js";
 import { meanNormal, normalAt } from "../drawing/normal.js";
@@ -27,7 +27,6 @@ export class AreaTool {
     this.editor = editor;
     this.map = map;
     this.announce = announce;
-    this.areas = new Areas();
     /** @type {number[] | null} */
     this.points = null;
     /** @type {number | undefined} */
@@ -81,7 +80,7 @@ export class AreaTool {
    */
   areaAt({ x, y }) {
     const { doc, layer, outline } = this.editor;
-    return outline ? null : this.areas.at(doc, layer, x, y);
+    return outline ? null : areaAt(doc, layer, x, y);
   }
 
   /** Makes the area at a click a region, or selects the region that it is. @param {{x: number, y: number}} at */

@@ -1,6 +1,6 @@
 /** Fill tool: a click fills the area between lines with a colour. */
 
-import { Areas } from "../drawing/areas.js";
+import { areaAt } from "../drawing/areas.js";
 import { MOST_STROKES, withActive } from "../drawing/document.js";
 import { isInFill } from "../drawing/strokes.js";
 import { text } from "../text/text.js";
@@ -16,7 +16,6 @@ export class FillTool {
   constructor(editor, announce) {
     this.editor = editor;
     this.announce = announce;
-    this.areas = new Areas();
     /** @type {Touch | null} */
     this.pressed = null;
   }
@@ -41,7 +40,7 @@ export class FillTool {
   /** Returns the area that a click fills. @param {{x: number, y: number}} at */
   areaAt({ x, y }) {
     const { doc, layer } = this.editor;
-    return this.areas.at(doc, layer, x, y);
+    return areaAt(doc, layer, x, y);
   }
 
   /** @param {{x: number, y: number}} at */

@@ -1,6 +1,6 @@
 /** Mask tool: mark object and holes. */
 
-import { Areas } from "../drawing/areas.js";
+import { areaAt } from "../drawing/areas.js";
 import { MOST_MASK_STROKES, withMaskStroke } from "../drawing/document.js";
 import { makeRoom, rounded } from "../drawing/simplify.js";
 import { text } from "../text/text.js";
@@ -20,7 +20,6 @@ export class MaskTool {
   constructor(editor, map, announce) {
     this.editor = editor;
     this.map = map;
-    this.areas = new Areas();
     this.announce = announce;
     this.step = 1;
     /** @type {Touch | null} the press on an area */
@@ -74,7 +73,7 @@ export class MaskTool {
    */
   voteAt({ x, y }) {
     const { doc, layer } = this.editor;
-    const area = this.areas.at(doc, layer, x, y);
+    const area = areaAt(doc, layer, x, y);
     return area && { area, object: this.#isObject(area, x, y) };
   }
 

@@ -1,6 +1,7 @@
 /** Areas: find the areas enclosed by lines, which a click flips between object and hole. */
 
 import { context2d } from "./canvas.js";
+import { MOST_LAYERS } from "./document.js";
 import { inkAt } from "./ink.js";
 import { areaToFill, outlineOf } from "./outline.js";
 import { linesIn } from "./paper_tone.js";
@@ -15,50 +16,63 @@ const HOLE = [208, 52, 44, 90];
  *   pictures: its tint; outline and filling: see `outlineOf` and `areaToFill` */
 /** @typedef {{area: Area, object: boolean}} Vote object: whether most of the area is */
 
-export class Areas {
-  constructor() {
-    /** @type {{strokes: object, width: number, height: number, inked: Uint8Array, wide: number, high: number} | null} */
-    this.lines = null;
-    /** @type {{lines: object, area: Uint8Array, found: Area} | null} result of the last query */
-    this.last = null;
-  }
+/**
+ * @typedef {object} Lines the lines of a layer
+ * @property {number} width of the paper
+ * @property {number} height
+ * @property {Uint8Array} inked which pixels are ink, row by row
+ * @property {number} wide pixels in a row
+ * @property {number} high rows
+ * @property {{area: Uint8Array, found: Area} | null} last the area that was found last
+ */
+/** The lines of the layers that were asked about last, by their strokes, for all tools. @type {Map<object, Lines>} */
+const known = new Map();
 
-  /**
-   * Returns the area at a point; null on a line.
-   * @param {import("./document.js").Doc} doc @param {import("./document.js").Layer} layer @param {number} x @param {number} y
-   * @returns {Area | null}
-   */
-  at({ width, height }, { strokes }, x, y) {
-    if (x < 0 || y < 0 || x >= width || y >= height || !strokes.length) return null;
-    if (this.lines?.strokes !== strokes || this.lines.width !== width || this.lines.height !== height) {
-      const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
-      this.lines = { strokes, width, height, inked: linesIn(pixels(), canvas.width, canvas.height), wide: canvas.width, high: canvas.height };
-    }
-    const { lines } = this;
-    const { inked, wide, high } = lines;
-    const place = (/** @type {number} */ right, /** @type {number} */ down) =>
-      Math.min(high - 1, Math.floor((down / height) * high)) * wide + Math.min(wide - 1, Math.floor((right / width) * wide));
-    const first = place(x, y);
-    if (inked[first]) return null;
-    if (this.last?.lines === lines && this.last.area[first]) return this.last.found;
-    const area = new Uint8Array(inked.length);
-    const stack = [first];
-    area[first] = 1;
-    let open = false;
-    while (stack.length) {
-      const at = /** @type {number} */ (stack.pop());
-      const column = at % wide;
-      open ||= column === 0 || column === wide - 1 || at < wide || at >= inked.length - wide;
-      for (const to of [column > 0 ? at - 1 : -1, column < wide - 1 ? at + 1 : -1, at - wide, at + wide]) {
-        if (to < 0 || to >= inked.length || inked[to] || area[to]) continue;
-        area[to] = 1;
-        stack.push(to);
-      }
-    }
-    const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, pictures: { object: pictureOf(area, wide, high, OBJECT), hole: pictureOf(area, wide, high, HOLE) }, outline: () => outlineOf(area, lines, { width, height }), filling: () => areaToFill(area, lines, { width, height }) };
-    this.last = { lines, area, found };
-    return found;
+/** Returns the lines of a layer. @param {import("./document.js").Doc} doc @param {import("./document.js").Layer} layer @returns {Lines} */
+function linesOfLayer({ width, height }, { strokes }) {
+  let lines = known.get(strokes);
+  if (lines?.width !== width || lines.height !== height) {
+    const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
+    lines = { width, height, inked: linesIn(pixels(), canvas.width, canvas.height), wide: canvas.width, high: canvas.height, last: null };
   }
+  known.delete(strokes);
+  known.set(strokes, lines);
+  for (const oldest of known.keys()) if (known.size > MOST_LAYERS) known.delete(oldest);
+  return lines;
+}
+
+/**
+ * Returns the area at a point; null on a line.
+ * @param {import("./document.js").Doc} doc @param {import("./document.js").Layer} layer @param {number} x @param {number} y
+ * @returns {Area | null}
+ */
+export function areaAt(doc, layer, x, y) {
+  const { width, height } = doc;
+  if (x < 0 || y < 0 || x >= width || y >= height || !layer.strokes.length) return null;
+  const lines = linesOfLayer(doc, layer);
+  const { inked, wide, high } = lines;
+  const place = (/** @type {number} */ right, /** @type {number} */ down) =>
+    Math.min(high - 1, Math.floor((down / height) * high)) * wide + Math.min(wide - 1, Math.floor((right / width) * wide));
+  const first = place(x, y);
+  if (inked[first]) return null;
+  if (lines.last?.area[first]) return lines.last.found;
+  const area = new Uint8Array(inked.length);
+  const stack = [first];
+  area[first] = 1;
+  let open = false;
+  while (stack.length) {
+    const at = /** @type {number} */ (stack.pop());
+    const column = at % wide;
+    open ||= column === 0 || column === wide - 1 || at < wide || at >= inked.length - wide;
+    for (const to of [column > 0 ? at - 1 : -1, column < wide - 1 ? at + 1 : -1, at - wide, at + wide]) {
+      if (to < 0 || to >= inked.length || inked[to] || area[to]) continue;
+      area[to] = 1;
+      stack.push(to);
+    }
+  }
+  const found = { shows: (/** @type {number} */ right, /** @type {number} */ down) => area[place(right, down)] > 0, open, pictures: { object: pictureOf(area, wide, high, OBJECT), hole: pictureOf(area, wide, high, HOLE) }, outline: () => outlineOf(area, lines, { width, height }), filling: () => areaToFill(area, lines, { width, height }) };
+  lines.last = { area, found };
+  return found;
 }
 
 /**
@@ -67,7 +81,7 @@ export class Areas {
  */
 export function layerAt(doc, { x, y }) {
   const drawn = doc.layers.filter(({ visible, strokes }) => visible && strokes.length);
-  const around = drawn.findLast((layer) => new Areas().at(doc, layer, x, y)?.open === false);
+  const around = drawn.findLast((layer) => areaAt(doc, layer, x, y)?.open === false);
   return around ?? (drawn.length === 1 ? drawn[0] : null);
 }
 
