@@ -448,3 +448,51 @@ def test_a_fill_is_selected_by_a_click_and_moved_without_its_lines(studio: Studi
     assert studio.predicted() == maps
     page.keyboard.press("Control+z")
     assert colour(MIDDLE, MIDDLE) == [255, 136, 0]
+
+
+def test_a_copy_moves_with_its_own_points_and_colour_alone(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle(80, 80, 40)
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#ff8800")
+    page.mouse.click(*studio.on_board(90, 80))
+    page.keyboard.press("h")
+    with studio.repainting():
+        page.mouse.click(*studio.on_board(80, 80))
+    page.locator("#point-done").click()
+    page.keyboard.press("s")
+    page.keyboard.press("Control+a")
+    page.keyboard.press("Control+d")
+    page.locator("#history summary").focus()  # nudged wherever the focus is
+    with studio.repainting():
+        for _ in range(8):
+            page.keyboard.press("Shift+ArrowRight")
+    page.mouse.move(2, 2)
+
+    def colour(x: float, y: float) -> list[int]:
+        column, row = studio.on_board(x, y)
+        return [int(each) for each in studio.screen()[round(row), round(column)]]
+
+    assert colour(60, 80) == colour(152, 92) == [255, 136, 0]
+    # Line, fill, point, copy, and one step for all nudges.
+    assert [hint["x"] for hint in layer_after(studio, 5)["hints"]] == [79.5, 171.5]
+
+
+def test_the_colour_of_an_area_stays_with_the_lines_that_bound_it(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle()
+    with studio.repainting():
+        studio.circle(MIDDLE - 30, MIDDLE, 20)
+    page.keyboard.press("b")
+    page.locator("#fill-colour").fill("#ff8800")
+    page.mouse.click(*studio.on_board(MIDDLE - 30, MIDDLE))  # an eye
+    page.keyboard.press("s")
+    page.mouse.click(*studio.on_board(MIDDLE + 80, MIDDLE))
+    with studio.repainting():
+        studio.line((MIDDLE + 80, MIDDLE), (MIDDLE + 70, MIDDLE + 10), (MIDDLE + 60, MIDDLE + 30))
+    page.keyboard.press("Escape")
+    page.mouse.move(2, 2)
+    column, row = studio.on_board(MIDDLE - 30, MIDDLE - 14)
+    assert [int(each) for each in studio.screen()[round(row), round(column)]] == [255, 136, 0]

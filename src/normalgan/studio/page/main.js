@@ -107,7 +107,7 @@ const overResult = () => {
 };
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
   new Pointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
-new KeyboardPen(board, tool, status, (x, y) => arranging.nudge(x, y));
+new KeyboardPen(board, tool, status);
 new Toolbar(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => {

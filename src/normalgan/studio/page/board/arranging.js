@@ -2,17 +2,20 @@
 
 import { LISTS, MOST_LAYERS, activeLayer, changedLayer, drawnLayers, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withLayerMoved, withNewLayer, withStructures } from "../drawing/document.js";
 import { chosenBy } from "../drawing/lasso.js";
-import { aboutPoint, alongWith, movedParts } from "../drawing/moving.js";
+import { aboutPoint, movedParts } from "../drawing/moving.js";
 import { decodeAll } from "../drawing/pictures.js";
-import { boxOfSelection, cutFailed, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "../drawing/selection.js";
+import { alongOf, boxOfSelection, cutFailed, hasInk, isCut, isNothing, keepAlong, onceCut, withCuts, withMoved } from "../drawing/selection.js";
 import { $, enable, fieldOf, make } from "../elements/dom.js";
 import { say, text } from "../text/text.js";
+import { ARROWS } from "./keyboard_pen.js";
 
 /** @typedef {import("../drawing/document.js").Doc} Doc @typedef {import("../drawing/document.js").Layer} Layer */
 /** @typedef {Pick<Layer, "strokes" | "hints" | "areas" | "mask">} Parts */
 
 /** Offset in pixels of a copy from its original. */
 const BESIDE = 12;
+/** Nudge in pixels with Shift. */
+const FAR = 10;
 /** Name of a document on the clipboard, which only holds the copied parts. */
 const NAME = "clipboard";
 
@@ -22,7 +25,7 @@ const NAME = "clipboard";
  * @returns {Parts}
  */
 function partsOf(layer, selection, goes) {
-  const along = alongWith(layer, selection.strokes, insideOfSelection(selection));
+  const along = alongOf(layer, selection);
   const pick = (/** @type {any[]} */ list, /** @type {Set<number>} */ places) => list.filter((_, i) => places.has(i) === goes);
   return {
     strokes: pick(layer.strokes, along.strokes), hints: pick(layer.hints, along.hints),
@@ -81,6 +84,7 @@ export class Arranging {
     /** @type {HTMLSelectElement} */
     this.target = $("select-layer");
     this.target.addEventListener("change", () => this.toLayer(this.target.value));
+    addEventListener("keydown", (event) => this.#nudge(event));
     for (const name of ["copy", "cut"]) addEventListener(name, (event) => this.#copy(/** @type {ClipboardEvent} */ (event), name === "cut"));
     addEventListener("paste", (event) => this.#pasted(/** @type {ClipboardEvent} */ (event)));
     for (const name of ["change", "state"]) editor.addEventListener(name, () => this.#show());
@@ -118,24 +122,23 @@ export class Arranging {
     onceCut(editor, this.announce, () => this.#move(aboutPoint({ x, y }, { scale: 1, angle, flipped })));
   }
 
-  /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
-  nudge(x, y) {
+  /** Moves the selection by an arrow key, wherever the focus is. @param {KeyboardEvent} event */
+  #nudge(event) {
     const { editor } = this;
-    if (isNothing(editor.selection)) return false;
-    onceCut(editor, this.announce, () => {
-      const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
-      // Consecutive presses on the same selection are one step in history, however long the pauses.
-      this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
-    });
-    return true;
+    const way = ARROWS[event.key];
+    if (!way || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || !this.#isOurs(event) || fieldOf(event, "select")) return;
+    if (editor.tool !== "select" || isNothing(editor.selection)) return;
+    event.preventDefault();
+    const [x, y] = way.map((step) => step * (event.shiftKey ? FAR : 1));
+    onceCut(editor, this.announce, () => this.#move({ scale: 1, x, y }, true));
   }
 
-  /** @param {import("../drawing/moving.js").Move} move @param {string} [kind] */
-  #move(move, kind = "") {
+  /** @param {import("../drawing/moving.js").Move} move @param {boolean} [nudged] consecutive nudges of the same selection are one step in history, however long the pauses */
+  #move(move, nudged = false) {
     const { editor } = this;
     const { doc, selection } = withMoved(editor.history.state, editor.selection, move);
     editor.selection = selection;
-    editor.commit(doc, kind, Infinity);
+    editor.commit(doc, nudged ? `nudged ${JSON.stringify(selection)}` : "", Infinity);
   }
 
   /** Adds a copy of the selected lines next to them. */
@@ -164,7 +167,7 @@ export class Arranging {
     const moved = brought(editor.doc, editor.selection, target);
     if (!moved) return this.announce(text.noRoom, "warning");
     editor.commit(moved.doc);
-    this.#choose(editor.layer, moved.parts);
+    this.#choose(moved.parts);
     return this.announce(say("broughtTo", { name: editor.layer.name }));
   }
 
@@ -279,12 +282,16 @@ export class Arranging {
     }
     editor.set({ tool: "select" });
     editor.commit(withActive(doc, layer));
-    this.#choose(layer, parts);
+    this.#choose(parts);
   }
 
-  /** @param {Layer} layer @param {Parts} parts the last of it */
-  #choose(layer, { strokes }) {
-    const first = layer.strokes.length - strokes.length;
-    this.editor.set({ selection: { strokes: strokes.flatMap(({ kind }, i) => (kind === "eraser" ? [] : [first + i])), pictures: [] } });
+  /** Selects parts, which are the last of the active layer. @param {Parts} parts */
+  #choose(parts) {
+    const { layer } = this.editor;
+    const last = (/** @type {keyof Parts} */ list) => new Set(parts[list].map((_, i) => layer[list].length - parts[list].length + i));
+    const along = { strokes: last("strokes"), hints: last("hints"), areas: last("areas"), mask: last("mask") };
+    const selection = { strokes: [...along.strokes].filter((i) => layer.strokes[i].kind !== "eraser"), pictures: [] };
+    keepAlong(layer, selection, along);
+    this.editor.set({ selection });
   }
 }

@@ -1,11 +1,10 @@
 /** Keyboard pen: a cursor on the board, moved with the arrow keys, that draws, erases and sets points. */
 
+import { isNothing } from "../drawing/selection.js";
 import { say, text } from "../text/text.js";
 
-/** Nudge in pixels with Shift. */
-const FAR = 10;
 /** @type {Record<string, [number, number]>} */
-const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+export const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /** Handles keys on a focused board. */
 export class KeyboardPen {
@@ -16,13 +15,11 @@ export class KeyboardPen {
    * @param {import("./board.js").Board} board
    * @param {() => import("./tools.js").Tool | null} tool
    * @param {import("../elements/status.js").Status} status
-   * @param {(x: number, y: number) => boolean} nudge moves the selection; returns whether there is one
    */
-  constructor(board, tool, status, nudge) {
+  constructor(board, tool, status) {
     this.board = board;
     this.tool = tool;
     this.status = status;
-    this.nudge = nudge;
     board.canvas.addEventListener("keydown", (event) => this.#key(event));
     board.canvas.addEventListener("pointerdown", () => this.#lift(), { capture: true });
     board.canvas.addEventListener("blur", () => {
@@ -37,12 +34,11 @@ export class KeyboardPen {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { editor } = this.board;
     const arrow = ARROWS[event.key];
-    const far = event.shiftKey ? FAR : 1;
-    const nudged = arrow && editor.tool === "select" && !this.#active && this.nudge(arrow[0] * far, arrow[1] * far);
-    if (arrow && !nudged) this.#move(arrow, Math.max(1, (event.shiftKey ? 0.08 : 0.02) * Math.max(editor.doc.width, editor.doc.height)));
+    if (arrow && editor.tool === "select" && !this.#active && !isNothing(editor.selection)) return; // it is nudged
+    if (arrow) this.#move(arrow, Math.max(1, (event.shiftKey ? 0.08 : 0.02) * Math.max(editor.doc.width, editor.doc.height)));
     else if (event.key === "Enter") this.#press();
     else if (event.key === "Escape" && this.#active) this.#lift();
-    else if (!arrow) return;
+    else return;
     event.preventDefault();
   }
 

@@ -100,9 +100,36 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  *   lists, of everything that moves together
  */
 
+/** Distance in pixels within which the edge of a fill lies on a line. */
+const ON_LINE = 2;
+
+/**
+ * Returns whether more of a fill's edge lies on some lines than on others; null if none of it lies on a line.
+ * @param {import("./document.js").Line} fill @param {Stroke[]} some @param {Stroke[]} others
+ */
+function isBoundedBy(fill, some, others) {
+  const { left, top, right, bottom } = extentOf(fill);
+  const [mine, theirs] = [some, others].map((list) => list.filter((each) => {
+    const box = extentOf(each);
+    return !goesAlong(each) && box.left <= right && box.right >= left && box.top <= bottom && box.bottom >= top;
+  }));
+  const isOn = (/** @type {Stroke[]} */ list, /** @type {Point} */ at) => list.some((each) => isHit(each, at, ON_LINE));
+  const { points } = fill;
+  let [own, other] = [0, 0];
+  for (let i = 0; i < points.length; i += 3) {
+    const next = (i + 3) % points.length;
+    const at = { x: points[i], y: points[i + 1] };
+    const length = Math.hypot(points[next] - at.x, points[next + 1] - at.y);
+    if (isOn(mine, at)) own += length;
+    else if (isOn(theirs, at)) other += length;
+  }
+  return own || other ? own > other : null;
+}
+
 /**
  * Returns everything that moves with selected strokes: erasers, fills, points, regions and mask strokes among them. If all strokes
- * of a layer are selected, everything on the layer moves. A fill that is selected alone takes nothing along.
+ * of a layer are selected, everything on the layer moves. A fill that is selected alone takes nothing along. A fill goes with the
+ * lines that bound it.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
  * @param {((point: Point) => boolean) | null} [inside] tests whether a point lies among them; by default, within their convex hull
@@ -117,9 +144,12 @@ export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null
     const point = at(each);
     return point && (all || (inside ? inside(point) : isInside(hull, point))) ? [i] : [];
   }));
+  const [mine, theirs] = [chosen.map((i) => strokes[i]), strokes.filter((_, i) => !chosen.includes(i))];
   const marks = among(strokes, (stroke) => (stroke.kind !== "picture" && goesAlong(stroke) ? middleOf(stroke.points, 3) : null));
+  const fills = new Map(strokes.flatMap((stroke, i) => (stroke.kind === "fill" && !all ? [[i, isBoundedBy(stroke, mine, theirs)]] : [])));
+  const along = strokes.flatMap((_, i) => (fills.get(i) ?? marks.has(i) ? [i] : []));
   return {
-    strokes: new Set([...chosen, ...marks]), hints: among(hints, (hint) => hint),
+    strokes: new Set([...chosen, ...along]), hints: among(hints, (hint) => hint),
     areas: among(areas, ({ points }) => middleOf(points, 2)), mask: among(mask, ({ points }) => middleOf(points, 2)),
   };
 }
@@ -127,18 +157,18 @@ export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null
 /**
  * Returns a layer with some of its items moved.
  * @param {Layer} layer @param {Along} along @param {Move} move @param {{width: number, height: number}} doc its paper
- * @returns {{layer: Layer, chosen: number[]}} chosen: where the moved strokes are now, but for erasers
+ * @returns {{layer: Layer, chosen: number[], along: Along}} chosen: where the moved strokes are now, but for erasers; along: with erasers
  */
 export function movedParts(layer, along, move, doc) {
   /** @template T @param {T[]} list @param {Set<number>} places @param {(each: T) => T} work @returns {T[]} */
   const some = (list, places, work) => (places.size ? list.map((each, i) => (places.has(i) ? work(each) : each)) : list);
   /** @type {Stroke[]} */
   const strokes = [];
-  /** @type {number[]} */
-  const chosen = [];
+  /** @type {Set<number>} */
+  const places = new Set();
   for (const [i, stroke] of layer.strokes.entries()) {
     for (const each of along.strokes.has(i) ? movedStroke(stroke, move) : [stroke]) {
-      if (along.strokes.has(i) && each.kind !== "eraser") chosen.push(strokes.length);
+      if (along.strokes.has(i)) places.add(strokes.length);
       strokes.push(each);
     }
   }
@@ -149,7 +179,7 @@ export function movedParts(layer, along, move, doc) {
     areas: some(layer.areas, along.areas, (each) => movedArea(each, move)),
     mask: some(layer.mask, along.mask, (each) => movedMask(each, move)),
   };
-  return { layer: moved, chosen };
+  return { layer: moved, chosen: [...places].filter((i) => strokes[i].kind !== "eraser"), along: { ...along, strokes: places } };
 }
 
 /** Returns the centre of the bounding box of points. @param {number[]} points @param {number} stride numbers for a point @returns {Point} */

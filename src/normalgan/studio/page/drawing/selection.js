@@ -16,6 +16,25 @@ export const hasInk = ({ strokes, cuts }) => strokes.length > 0 || Boolean(cuts?
 /** Returns a function that tests which points, regions and mask strokes move with the selection; null uses its convex hull. @param {Selection} selection */
 export const insideOfSelection = ({ lasso }) => (lasso ? insideOf(lasso) : null);
 
+/** @typedef {import("./moving.js").Along} Along */
+/** What belongs to the strokes selected in a layer; it stays theirs, whatever they are moved over. @type {WeakMap<import("./document.js").Layer, {selected: string, along: Along}>} */
+const belonging = new WeakMap();
+
+/** Notes what belongs to selected strokes. @param {import("./document.js").Layer} layer @param {Selection} selection @param {Along} along */
+export function keepAlong(layer, { strokes, lasso = [] }, along) {
+  belonging.set(layer, { selected: JSON.stringify([strokes, lasso]), along });
+}
+
+/** Returns everything that moves with the selected strokes of a layer. @param {import("./document.js").Layer} layer @param {Selection} selection @returns {Along} */
+export function alongOf(layer, selection) {
+  const { strokes, lasso = [] } = selection;
+  const kept = belonging.get(layer);
+  if (kept?.selected === JSON.stringify([strokes, lasso])) return kept.along;
+  const along = alongWith(layer, strokes, insideOfSelection(selection));
+  keepAlong(layer, selection, along);
+  return along;
+}
+
 /** Returns the selected items. @param {import("./document.js").Doc} doc @param {Selection} selection */
 const itemsOf = (doc, { strokes, pictures }) =>
   [...strokes.map((i) => activeLayer(doc).strokes[i]), ...pictures.map((i) => doc.pictures[i])];
@@ -91,9 +110,12 @@ export function without(a, b) {
 export function withMoved(before, given, move) {
   const { doc, selection } = withCuts(before, given);
   const { strokes, pictures } = selection;
+  const placed = pictures.length ? { ...doc, pictures: doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each)) } : doc;
+  if (!strokes.length) return { doc: placed, selection: { strokes, pictures } };
   const layer = activeLayer(doc);
-  const { layer: moved, chosen } = strokes.length ? movedParts(layer, alongWith(layer, strokes, insideOfSelection(selection)), move, doc) : { layer, chosen: [] };
-  const drawn = strokes.length ? withActive(doc, moved) : doc;
-  const placed = doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each));
-  return { doc: pictures.length ? { ...drawn, pictures: placed } : drawn, selection: { strokes: chosen, pictures } };
+  const { layer: moved, chosen, along } = movedParts(layer, alongOf(layer, selection), move, doc);
+  const drawn = withActive(placed, moved);
+  const now = { strokes: chosen, pictures };
+  keepAlong(activeLayer(drawn), now, along);
+  return { doc: drawn, selection: now };
 }
