@@ -19,7 +19,7 @@ from onnx_models import write_model
 from pens import blob, outline
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Request
+    from playwright.sync_api import Browser, Request, Route
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 SHAPE = (200, 300)
@@ -350,6 +350,23 @@ def test_light_lines_on_nothing_are_shown_dark_which_is_said(studio: Studio, tmp
     studio.size = SHAPE[::-1]
     assert studio.inked(170, 90 + 60)
     assert not studio.inked(170, 90)
+
+
+def test_a_file_is_said_to_be_imported_while_it_is_read(studio: Studio, tmp_path: Path) -> None:
+    Image.new("L", (SIDE, SIDE), 255).save(tmp_path / "slow.png")
+    held: list[Route] = []
+
+    def hold(route: "Route") -> None:
+        held.append(route)
+
+    studio.page.route("**/api/import*", hold)
+    with studio.saying("Importing “slow.png”…", whole=True):
+        studio.page.set_input_files("#import-file", files=tmp_path / "slow.png")
+    studio.until(lambda: len(held), bool)
+    held[0].continue_()
+    studio.page.unroute("**/api/import*")
+    studio.page.locator("#choose button[value='']").click()
+    studio.until(studio.status, lambda said: said == "")
 
 
 @pytest.mark.parametrize(("lines", "inverted"), [(245, True), (20, False)])

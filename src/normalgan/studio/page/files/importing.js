@@ -71,6 +71,7 @@ export class Importing {
 
   /** Imports a file. @param {File} file @param {Way} as */
   async take(file, as) {
+    this.status.say(say("importing", { name: file.name }));
     try {
       await this.put(await this.read(file), as, file);
     } catch (error) {
@@ -219,6 +220,7 @@ export class Importing {
 
   /** @param {Node} preview @param {boolean} layered @returns {Promise<string>} a way, or "" */
   #ask(preview, layered) {
+    this.status.say(""); // it is read
     const ways = [
       { value: "traced", text: text.asTraced },
       { value: "drawing", text: layered ? text.asOne : text.asDrawing, strong: !layered },

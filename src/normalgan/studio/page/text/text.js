@@ -415,6 +415,7 @@ export const text = {
   painted: "Predicted in {ms} ms.",
   saved: "Saved “{name}”.",
   opened: "Opened “{name}”.",
+  importing: "Importing “{name}”…",
   imported: "Imported “{name}”.",
   importedSmaller: "Scaled down from {from} to {to} pixels.",
   importedTurned: "Colours inverted, because its lines are light.",

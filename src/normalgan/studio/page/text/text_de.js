@@ -390,6 +390,7 @@ export const words = {
   painted: "Vorhergesagt in {ms} ms.",
   saved: "„{name}“ gespeichert.",
   opened: "„{name}“ geöffnet.",
+  importing: "„{name}“ wird importiert …",
   imported: "„{name}“ importiert.",
   importedSmaller: "Von {from} auf {to} Pixel verkleinert.",
   importedTurned: "Farben umgekehrt, weil die Linien hell sind.",

@@ -390,6 +390,7 @@ export const words = {
   painted: "Predicho en {ms} ms.",
   saved: "«{name}» guardado.",
   opened: "«{name}» abierto.",
+  importing: "Importando «{name}»…",
   imported: "«{name}» importado.",
   importedSmaller: "Reducido de {from} a {to} píxeles.",
   importedTurned: "Colores invertidos, porque las líneas son claras.",

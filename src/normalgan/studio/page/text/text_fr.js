@@ -390,6 +390,7 @@ export const words = {
   painted: "Prédit en {ms} ms.",
   saved: "« {name} » enregistré.",
   opened: "« {name} » ouvert.",
+  importing: "Importation de « {name} »…",
   imported: "« {name} » importé.",
   importedSmaller: "Réduit de {from} à {to} pixels.",
   importedTurned: "Couleurs inversées, car les traits sont clairs.",

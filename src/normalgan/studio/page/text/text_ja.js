@@ -390,6 +390,7 @@ export const words = {
   painted: "{ms}ミリ秒で予測しました。",
   saved: "「{name}」を保存しました。",
   opened: "「{name}」を開きました。",
+  importing: "「{name}」を読み込んでいます…",
   imported: "「{name}」を読み込みました。",
   importedSmaller: "{from}から{to}ピクセルに縮小しました。",
   importedTurned: "線が明るいため、色を反転しました。",

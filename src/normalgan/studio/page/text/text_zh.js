@@ -390,6 +390,7 @@ export const words = {
   painted: "预测用时 {ms} 毫秒。",
   saved: "已保存“{name}”。",
   opened: "已打开“{name}”。",
+  importing: "正在导入“{name}”…",
   imported: "已导入“{name}”。",
   importedSmaller: "已从 {from} 缩小到 {to} 像素。",
   importedTurned: "线条是浅色的，因此已反转颜色。",
