@@ -207,11 +207,11 @@ class EvaluationSteps(LightningModule):
 def _check_monitors(callbacks: Iterable[object], known: Mapping[str, bool | None]) -> None:
     """Check that the metrics by which callbacks stop or save are those that validation logs.
 
+    Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
+
     Args:
         callbacks: callbacks of the run.
         known: whether higher is better, by name of metric.
-
-    Names outside the rows of validation are not checked, because callbacks may log metrics of their own.
 
     Raises:
         InputError: if a name is unknown, which Lightning finds only after the first epoch, or if a callback

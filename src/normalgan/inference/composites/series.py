@@ -126,9 +126,9 @@ def prepare_member(predictor: Predictor, member: Member, size: int | None = None
     if picture is member.picture or prepared.alpha is None:
         return prepared
     alpha = member.picture.resized((prepared.ink.shape[0], prepared.ink.shape[1])).alpha
-    return (
-        prepared if alpha is None else replace(prepared, alpha=member.picture.alpha, mask=opaque_part(alpha))
-    )
+    if alpha is None:
+        return prepared
+    return replace(prepared, alpha=member.picture.alpha, mask=opaque_part(alpha))
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:
