@@ -29,8 +29,8 @@ TRUNKS = {
     READER_FILE: ("/enter.", "/down.1", "/down.2", "/down.3", "/leave.", "/up.1", "/up.2"),
     REFINER: ("node_conv2d_", "node_relu_", "node_add_"),
 }
-"""How names of the quantised nodes begin; inputs, outputs and the reader's finest level, which places the ink,
-stay as they are."""
+"""How names of the quantised nodes begin. Inputs, outputs and the reader's finest level, which places the
+ink, stay as they are."""
 PRECISE = "node_add_71"
 """The refiner's sum of map and correction, which must not be rounded."""
 SIDES = 512, 768, 1024
