@@ -31,8 +31,6 @@ TRUNKS = {
 }
 """How names of the quantised nodes begin. Inputs, outputs and the reader's finest level, which places the
 ink, stay as they are."""
-PRECISE = "node_add_71"
-"""The refiner's sum of map and correction, which must not be rounded."""
 SIDES = 512, 768, 1024
 """Sizes of the predicted maps; the refiner is used from 1.2 to 4 times the model's 256 pixels."""
 
@@ -83,8 +81,13 @@ def quantize(source: Path, target: Path, given: list[dict[str, Any]]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         prepared = Path(folder) / "prepared.onnx"
         quant_pre_process(source, prepared, skip_symbolic_shape=True)
-        names = [node.name for node in onnx.load(prepared).graph.node]
-        precise = [name for name in names if not name.startswith(TRUNKS[target]) or name == PRECISE]
+        graph = onnx.load(prepared).graph
+        outputs = {output.name for output in graph.output}
+        precise = [
+            node.name
+            for node in graph.node
+            if not node.name.startswith(TRUNKS[target]) or outputs & set(node.output)
+        ]
         quantize_static(
             prepared,
             target,

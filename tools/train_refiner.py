@@ -7,7 +7,8 @@ SAMPLES is the folder in the cache that `normalgan render --config configs/ours.
 configs/refiner.yaml` wrote. `paint` predicts the map of each of its sketches as `normalgan generate` does,
 but only at the model's own size, and stores it with the truth in OUT. `train` fits the network to these pairs
 on one core, at all scales from the model's size to four times that, and reports the errors on held-out
-meshes.
+meshes. For the shipped refiner, OUT.onnx is tools/networks/refiner.onnx, of which tools/quantize.py makes the
+file in the package.
 """
 
 import argparse

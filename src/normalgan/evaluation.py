@@ -227,9 +227,9 @@ def _check_monitors(callbacks: Iterable[object], known: Mapping[str, bool | None
                 f"{did_you_mean(name, known)} It logs, after {' and '.join(rows)}, {', '.join(figures)}."
             )
         higher = known.get(name) if isinstance(name, str) else None
-        right, mode = "max" if higher else "min", getattr(callback, "mode", None)
-        if higher is not None and mode in {"min", "max"} - {right}:
+        better, right, wrong = ("higher", "max", "min") if higher else ("lower", "min", "max")
+        if higher is not None and getattr(callback, "mode", None) == wrong:
             raise InputError(
-                f"{type(callback).__name__} monitors {name} with the mode {mode}, but "
-                f"{'higher' if higher else 'lower'} is better; set its mode to {right}."
+                f"{type(callback).__name__} monitors {name} with the mode {wrong}, but {better} is better; "
+                f"set its mode to {right}."
             )

@@ -1,4 +1,4 @@
-"""Writes training pages of the reader as pictures: pictures.py VIEWS OUT [--count 128] [--seed 777]."""
+"""Writes training pages of the reader as pictures: page_pictures.py VIEWS OUT [--count 128] [--seed 777]."""
 
 import argparse
 from itertools import islice

@@ -69,7 +69,7 @@ class Refiner:
     the distance from the silhouette, and predicts the correction. It is loaded on first use.
 
     Args:
-        path: network written by ``tools/train_refiner.py``.
+        path: network written by ``tools/quantize.py``.
         threads: number of threads per run; 0 uses all cores.
     """
 
